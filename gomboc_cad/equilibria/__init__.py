@@ -1,0 +1,18 @@
+"""Pure mathematics of rest: smooth census, strict convexity and the COM margin."""
+
+from gomboc_cad.equilibria.convexity import convexity
+from gomboc_cad.equilibria.margin import com_margin
+from gomboc_cad.equilibria.records import Census, Convexity, Equilibrium, Margin, Rest
+from gomboc_cad.equilibria.smooth import find_equilibria, smooth_census
+
+__all__ = [
+    "Census",
+    "Convexity",
+    "Equilibrium",
+    "Margin",
+    "Rest",
+    "com_margin",
+    "convexity",
+    "find_equilibria",
+    "smooth_census",
+]

@@ -1,0 +1,155 @@
+"""Adaptive triangular cells on the sphere, and global minimisation over them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from numpy.typing import NDArray
+
+from gomboc_cad.body.sphere import Array, IntArray, geodesic_triangulation, subdivide, tangent_frame, unit
+
+BoolArray = NDArray[np.bool_]
+
+CORNER_SAFETY = 2.5
+"""How many times the largest centre-to-corner change a function is allowed to fall inside a cell.
+
+For a function that is nearly linear in the cell, some corner lies within 60° of steepest descent, so
+the factor 2 already covers the whole circumscribed disc.
+"""
+
+_MAX_CELLS = 400_000
+_SMALLEST_RADIUS = 1e-7
+
+
+@dataclass(frozen=True, eq=False)
+class Cells:
+    """Spherical triangles that share their corners.
+
+    Attributes:
+        vertices: Unit vectors, shape (v, 3); subdivision only appends to them.
+        triangles: Three vertex indices per cell, shape (n, 3).
+    """
+
+    vertices: Array
+    triangles: IntArray
+
+    @classmethod
+    def covering_sphere(cls, level: int) -> Cells:
+        """The triangles of an icosahedron that was subdivided `level` times."""
+        return cls(*geodesic_triangulation(level))
+
+    def __len__(self) -> int:
+        """Number of cells."""
+        return len(self.triangles)
+
+    def centers(self) -> Array:
+        """Unit vectors to the centres, shape (n, 3)."""
+        return unit(self.vertices[self.triangles].sum(axis=1))
+
+    def radii(self) -> Array:
+        """Angular radius of the disc about the centre that holds the cell, in radians, shape (n,)."""
+        chord = np.linalg.norm(self.vertices[self.triangles] - self.centers()[:, None], axis=2).max(axis=1)
+        result: Array = 2.0 * np.arcsin(np.minimum(1.0, 0.5 * chord))
+        return result
+
+    def subdivided(self, chosen: BoolArray) -> Cells:
+        """Split the chosen cells into four each and drop the others; the old vertices keep their places."""
+        return Cells(*subdivide(self.vertices, self.triangles[chosen]))
+
+
+class SphereMinimum(NamedTuple):
+    """A global minimum on the sphere.
+
+    Attributes:
+        value: The minimum.
+        direction: Where it is, shape (3,).
+        candidates: The best directions met, shape (k, 3), for a local refinement.
+    """
+
+    value: float
+    direction: Array
+    candidates: Array
+
+
+def minimise_on_sphere(
+    function: Callable[[Array], Array],
+    tolerance: float,
+    *,
+    upper_bound: float = np.inf,
+    start_level: int = 4,
+    keep: int = 64,
+) -> SphereMinimum:
+    """Branch and bound over triangular cells.
+
+    A cell is dropped when its centre value less `CORNER_SAFETY` times the largest change to a corner
+    is above the best value less `tolerance`. The slopes are sampled, not bounded, so this is a
+    thorough search and no proof.
+
+    Args:
+        function: Values at unit vectors (n, 3), shape (n,).
+        tolerance: Absolute gap at which the search stops.
+        upper_bound: A value that the function is known to reach somewhere.
+        start_level: Subdivision level of the first cells.
+        keep: How many candidates to return.
+    """
+    cells = Cells.covering_sphere(start_level)
+    corner_values = function(cells.vertices)
+    best_points, best_values = cells.vertices, corner_values
+    while True:
+        centers = cells.centers()
+        values = function(centers)
+        best_points, best_values = _lowest(
+            np.concatenate([best_points, centers]), np.concatenate([best_values, values]), keep
+        )
+        at_corners = corner_values[cells.triangles]
+        bound = values - CORNER_SAFETY * np.abs(at_corners - values[:, None]).max(axis=1)
+        target = min(best_values[0], upper_bound) - tolerance
+        open_cells = (bound < target) & (cells.radii() > _SMALLEST_RADIUS)
+        if not open_cells.any():
+            return SphereMinimum(float(best_values[0]), best_points[0], best_points)
+        if 4 * int(open_cells.sum()) > _MAX_CELLS:
+            # A plateau: go on with the cells that may still hold the lowest values.
+            bound[~open_cells] = np.inf
+            open_cells = bound <= np.partition(bound, _MAX_CELLS // 8)[_MAX_CELLS // 8]
+        known = len(cells.vertices)
+        cells = cells.subdivided(open_cells)
+        fresh = cells.vertices[known:]
+        fresh_values = function(fresh)
+        corner_values = np.concatenate([corner_values, fresh_values])
+        best_points = np.concatenate([best_points, fresh])
+        best_values = np.concatenate([best_values, fresh_values])
+
+
+def _lowest(points: Array, values: Array, count: int) -> tuple[Array, Array]:
+    """Keep the points with the lowest values, in rising order."""
+    order = np.argsort(values, kind="stable")[:count]
+    return points[order], values[order]
+
+
+def polish_minimum(function: Callable[[Array], Array], start: SphereMinimum, step: float = 1e-2) -> SphereMinimum:
+    """Refine a minimum by a shrinking pattern of eight neighbours about every candidate."""
+    u = start.candidates.copy()
+    values = function(u)
+    width = np.full(len(u), step)
+    angles = np.arange(8) * np.pi / 4.0
+    while np.any(width > 1e-9):
+        first, second = tangent_frame(u)
+        ring = (
+            u[:, None]
+            + (width[:, None] * np.cos(angles))[..., None] * first[:, None]
+            + (width[:, None] * np.sin(angles))[..., None] * second[:, None]
+        )
+        trial = unit(ring)
+        trial_values = function(trial.reshape(-1, 3)).reshape(len(u), 8)
+        pick = trial_values.argmin(axis=1)
+        rows = np.arange(len(u))
+        better = trial_values[rows, pick] < values
+        u[better] = trial[rows, pick][better]
+        values[better] = trial_values[rows, pick][better]
+        width[~better] *= 0.5
+    best = int(values.argmin())
+    return SphereMinimum(float(values[best]), u[best], u)

@@ -1,0 +1,132 @@
+"""Frozen records that the oracle hands on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from gomboc_cad.body.mass import MassProperties
+
+Kind = Literal["stable", "unstable", "saddle"]
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Convexity:
+    """Extremes of the curvature over the whole surface.
+
+    Attributes:
+        strictly_convex: Whether the smallest principal curvature is positive everywhere.
+        min_curvature_per_mm: Smallest principal curvature.
+        min_curvature_direction: Where it is, as a unit vector from the origin.
+        min_gaussian_curvature_per_mm2: Smallest Gaussian curvature.
+        min_radius_of_curvature_mm: One over the largest principal curvature: the thickest wall that a
+            smooth inner offset surface allows.
+    """
+
+    strictly_convex: bool
+    min_curvature_per_mm: float
+    min_curvature_direction: Vector
+    min_gaussian_curvature_per_mm2: float
+    min_radius_of_curvature_mm: float
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """A pose in which the body balances on a flat table.
+
+    Attributes:
+        kind: `stable`, `unstable` or `saddle`.
+        direction: Body direction that points down.
+        height_mm: Height of the COM over the table.
+        stiffness_mm: Eigenvalues (smaller, larger) of the Hessian of the height.
+    """
+
+    kind: Kind
+    direction: Vector
+    height_mm: float
+    stiffness_mm: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Rest:
+    """The lowest stable pose and how it answers to an error of the COM.
+
+    Attributes:
+        direction: Body direction that points down.
+        height_mm: Height of the COM over the table.
+        stiffness_mm: (soft, stiff) eigenvalues of the Hessian of the height.
+        soft_direction: Body direction along which a COM error tilts the rest most.
+        stiff_direction: Body direction along which it tilts the rest least.
+        tilt_deg_per_um: (soft, stiff) tilt for a COM error of 1 µm along those directions.
+        tilt_matrix_deg_per_um: Tilt vector (soft, stiff) per COM error vector (soft, stiff); diagonal
+            in these axes.
+    """
+
+    direction: Vector
+    height_mm: float
+    stiffness_mm: tuple[float, float]
+    soft_direction: Vector
+    stiff_direction: Vector
+    tilt_deg_per_um: tuple[float, float]
+    tilt_matrix_deg_per_um: tuple[tuple[float, float], tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class Margin:
+    """How far the COM may move before the census changes.
+
+    Attributes:
+        margin_mm: Radius of the largest ball of COM positions with an unchanged census.
+        s_margin_mm: The same for the number of stable rests.
+        u_margin_mm: The same for the number of unstable rests.
+        s_witness_mm: The nearest COM position at which a stable rest meets a saddle.
+        u_witness_mm: The nearest COM position at which an unstable rest meets a saddle.
+    """
+
+    margin_mm: float
+    s_margin_mm: float
+    u_margin_mm: float
+    s_witness_mm: Vector
+    u_witness_mm: Vector
+
+
+@dataclass(frozen=True)
+class Census:
+    """All resting positions of a body about a centre of mass.
+
+    Attributes:
+        com_mm: The centre of mass.
+        equilibria: Every equilibrium, the lowest first.
+        height_range_mm: Highest less lowest height of the COM.
+        rest: The lowest stable rest.
+        mass_properties: Of the homogeneous body.
+        convexity: Extremes of curvature.
+        margin: How far the COM may move.
+    """
+
+    com_mm: Vector
+    equilibria: tuple[Equilibrium, ...]
+    height_range_mm: float
+    rest: Rest
+    mass_properties: MassProperties
+    convexity: Convexity
+    margin: Margin
+
+    def _count(self, kind: Kind) -> int:
+        return sum(e.kind == kind for e in self.equilibria)
+
+    @property
+    def stable(self) -> int:
+        """Number S of stable rests."""
+        return self._count("stable")
+
+    @property
+    def unstable(self) -> int:
+        """Number U of unstable rests."""
+        return self._count("unstable")
+
+    @property
+    def saddles(self) -> int:
+        """Number H of saddles."""
+        return self._count("saddle")

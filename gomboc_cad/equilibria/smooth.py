@@ -1,0 +1,137 @@
+"""The smooth census: all resting positions of a strictly convex body about a centre of mass."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from gomboc_cad.body.mass import mass_properties
+from gomboc_cad.body.sphere import Array
+from gomboc_cad.body.support import depth_mm, support_about
+from gomboc_cad.body.surface import Body
+from gomboc_cad.equilibria.convexity import as_vector, convexity
+from gomboc_cad.equilibria.critical import critical_directions
+from gomboc_cad.equilibria.margin import com_margin
+from gomboc_cad.equilibria.records import Census, Equilibrium, Kind, Rest
+from gomboc_cad.errors import CensusError, DegenerateEquilibriaError, NotConvexError
+
+_DEGENERATE_STIFFNESS = 1e-9
+"""Below this stiffness, in units of R₀, an equilibrium is not told from a neutral one."""
+
+
+def smooth_census(body: Body, com: Sequence[float] | Array | None = None) -> Census:
+    """Count and describe every equilibrium of a strictly convex body on a flat table.
+
+    The height of the COM over the table when direction u points down is the support function about
+    the COM; its minima are the stable rests, its maxima the unstable ones. `S − H + U = 2` is asserted.
+
+    Args:
+        body: The body.
+        com: Centre of mass in mm, shape (3,); the homogeneous centroid if not given.
+
+    Raises:
+        NotConvexError: If the body is not strictly convex; its rests are those of its hull.
+        DegenerateEquilibriaError: If the equilibria are not isolated.
+        CensusError: If the COM is not a finite point inside the body, or the counts contradict
+            Poincaré–Hopf.
+    """
+    curvature = convexity(body)
+    if not curvature.strictly_convex:
+        raise NotConvexError(
+            f"{body.name!r} is not strictly convex (smallest principal curvature "
+            f"{curvature.min_curvature_per_mm:.4g} per mm), so it rests on its convex hull, which the smooth census "
+            "does not see; use a smaller beta or smaller coefficients."
+        )
+    mass = mass_properties(body)
+    center = np.array(mass.centroid_mm if com is None else com, dtype=float)
+    _check_com(body, center)
+    equilibria, rest = _equilibria_and_rest(body, center)
+    heights = [e.height_mm for e in equilibria]
+    return Census(
+        com_mm=as_vector(center),
+        equilibria=equilibria,
+        height_range_mm=max(heights) - min(heights),
+        rest=rest,
+        mass_properties=mass,
+        convexity=curvature,
+        margin=com_margin(body, center),
+    )
+
+
+def find_equilibria(body: Body, com: Sequence[float] | Array) -> tuple[Equilibrium, ...]:
+    """Find every equilibrium of a strictly convex body about a centre of mass in mm, the lowest first.
+
+    This is the census without margins, and correspondingly quick.
+
+    Raises:
+        DegenerateEquilibriaError: If the equilibria are not isolated.
+        CensusError: If the COM lies outside the body, or the counts contradict Poincaré–Hopf.
+    """
+    center = np.array(com, dtype=float)
+    _check_com(body, center)
+    return _equilibria_and_rest(body, center)[0]
+
+
+def _equilibria_and_rest(body: Body, center: Array) -> tuple[tuple[Equilibrium, ...], Rest]:
+    equilibria, rest = _describe(body, critical_directions(body, center), center)
+    _assert_poincare_hopf(body, equilibria)
+    return equilibria, rest
+
+
+def _check_com(body: Body, center: Array) -> None:
+    if center.shape != (3,) or not np.all(np.isfinite(center)):
+        raise CensusError("The centre of mass must be three finite numbers in mm.")
+    if np.linalg.norm(center) > 2.0 * body.radius_mm or depth_mm(body, center)[0] <= 0.0:
+        place = ", ".join(f"{c:g}" for c in center)
+        raise CensusError(f"The centre of mass ({place}) mm lies outside the body; give one inside it.")
+
+
+def _describe(body: Body, directions: Array, center: Array) -> tuple[tuple[Equilibrium, ...], Rest]:
+    """Type the critical points by the Hessian of the height and describe the lowest rest."""
+    points = body.surface(directions)
+    heights, _, hessians = support_about(points, center)
+    values, vectors = np.linalg.eigh(hessians)
+    if np.any(np.abs(values) < _DEGENERATE_STIFFNESS * body.radius_mm):
+        raise DegenerateEquilibriaError(
+            f"An equilibrium of {body.name!r} about this centre of mass is neutral, so its kind cannot be told; move "
+            "the centre of mass."
+        )
+    order = np.argsort(heights)
+    equilibria = tuple(
+        Equilibrium(
+            _kind(values[i]), as_vector(points.normal[i]), float(heights[i]), (float(values[i, 0]), float(values[i, 1]))
+        )
+        for i in order
+    )
+    lowest = order[0]
+    axes = vectors[lowest].T @ points.tangents[lowest]
+    soft, stiff = equilibria[0].stiffness_mm
+    tilt = (math.degrees(1e-3 / soft), math.degrees(1e-3 / stiff))
+    rest = Rest(
+        direction=equilibria[0].direction,
+        height_mm=equilibria[0].height_mm,
+        stiffness_mm=(soft, stiff),
+        soft_direction=as_vector(axes[0]),
+        stiff_direction=as_vector(axes[1]),
+        tilt_deg_per_um=tilt,
+        tilt_matrix_deg_per_um=((tilt[0], 0.0), (0.0, tilt[1])),
+    )
+    return equilibria, rest
+
+
+def _kind(stiffness: Array) -> Kind:
+    if stiffness[0] > 0.0:
+        return "stable"
+    return "unstable" if stiffness[1] < 0.0 else "saddle"
+
+
+def _assert_poincare_hopf(body: Body, equilibria: tuple[Equilibrium, ...]) -> None:
+    """Check S − H + U = 2, the Euler characteristic of the sphere."""
+    total = sum(-1 if e.kind == "saddle" else 1 for e in equilibria)
+    if total != 2:
+        raise CensusError(
+            f"The census of {body.name!r} is incomplete (S − H + U = {total}, not 2); move the centre of mass by a "
+            "micrometre, and report this body."
+        )
