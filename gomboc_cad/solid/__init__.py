@@ -1,0 +1,1 @@
+"""Solids: B-rep and mesh, hollow bodies, mass properties, files and their inspection."""

@@ -1,0 +1,127 @@
+"""How far a mesh is from the analytic boundary it stands for, in both directions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from manifold3d import Manifold
+
+from gomboc_cad.body.sphere import Array, IntArray
+from gomboc_cad.solid.boundary import Boundary
+from gomboc_cad.solid.mesh import Mesh, largest_in_facets
+
+_SAMPLES = 4000
+_SEARCH = 20.0
+"""How far the mesh is looked for from an analytic point, in promised distances."""
+
+
+@dataclass(frozen=True)
+class MeshDistance:
+    """Distances between a mesh and its boundary, and what the mesh lacks in volume because of them.
+
+    Attributes:
+        from_mesh_um: Largest distance of a facet from the boundary.
+        to_mesh_um: Largest distance of the boundary's doubly curved surfaces from the mesh; infinite where no
+            facet is near.
+        missing_mm3: Volume between the facets and the boundary, positive where the mesh is too small.
+        missing_moment_mm4: First moment of that volume, shape (3,).
+        moved_mm3: The same volume without regard to its sign.
+        moved_moment_mm4: Its first moment about the middle of the mesh, likewise.
+    """
+
+    from_mesh_um: float
+    to_mesh_um: float
+    missing_mm3: float
+    missing_moment_mm4: Array
+    moved_mm3: float
+    moved_moment_mm4: float
+
+
+def mesh_distance(mesh: Mesh, manifold: Manifold, boundary: Boundary, promised_um: float) -> MeshDistance:
+    """Measure a mesh against its analytic boundary.
+
+    Each facet counts against a surface that its three corners lie on. The distance within a facet is the
+    quadratic that the middles of its edges tell; its mean gives the volume between the two.
+
+    Args:
+        mesh: The mesh.
+        manifold: The same, for ray casting.
+        boundary: What it stands for.
+        promised_um: The distance it promises to keep.
+    """
+    signed = _facet_distances(mesh, boundary, 1e-3 * promised_um)
+    corners = mesh.vertices_mm[mesh.faces]
+    area = 0.5 * np.linalg.norm(
+        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+    )
+    centers = corners.mean(axis=1)
+    missing = -area * signed[:, 1]
+    middle = 0.5 * (mesh.vertices_mm.min(axis=0) + mesh.vertices_mm.max(axis=0))
+    return MeshDistance(
+        from_mesh_um=1e3 * float(signed[:, 0].max()),
+        to_mesh_um=_to_mesh_um(manifold, boundary, promised_um),
+        missing_mm3=float(missing.sum()),
+        missing_moment_mm4=missing @ centers,
+        moved_mm3=float(np.abs(missing).sum()),
+        moved_moment_mm4=float(np.abs(missing) @ np.linalg.norm(centers - middle, axis=1)),
+    )
+
+
+def _facet_distances(mesh: Mesh, boundary: Boundary, near_mm: float) -> Array:
+    """Largest distance and mean signed distance (positive outside the part) of each facet, shape (m, 2).
+
+    The surfaces are tried in turn, the cheap ones first, on the facets that none before has explained.
+    """
+    edges, edges_of_face = mesh.edges()
+    middles = 0.5 * (mesh.vertices_mm[edges[:, 0]] + mesh.vertices_mm[edges[:, 1]])
+    result = np.zeros((len(mesh.faces), 2))
+    result[:, 0] = np.inf
+    for surface in boundary.surfaces():
+        left = np.flatnonzero(result[:, 0] > near_mm)
+        at_vertices = _at_used(surface.distance_mm, mesh.vertices_mm, mesh.faces[left])
+        on = left[(np.abs(at_vertices) <= near_mm)[mesh.faces[left]].all(axis=1)]
+        corners = at_vertices[mesh.faces[on]]
+        sags = _at_used(surface.distance_mm, middles, edges_of_face[on])[edges_of_face[on]]
+        sags -= 0.5 * (corners + np.roll(corners, -1, axis=1))
+        result[on, 0] = largest_in_facets(corners, sags)
+        # The mean of a quadratic over a facet.
+        result[on, 1] = surface.outward * (corners.mean(axis=1) + sags.sum(axis=1) / 3.0)
+    stray = np.flatnonzero(np.isinf(result[:, 0]))
+    result[stray, 0] = _worst_corner_mm(mesh.vertices_mm[mesh.faces[stray]], boundary)
+    return result
+
+
+def _worst_corner_mm(corners_mm: Array, boundary: Boundary) -> Array:
+    """Distance of facets (m, 3, 3) from the surface that suits their corners best."""
+    points = corners_mm.reshape(-1, 3)
+    distances = [
+        np.abs(surface.distance_mm(points)).reshape(-1, 3).max(axis=1) for surface in boundary.surfaces()
+    ]
+    return np.min(distances, axis=0)
+
+
+def _at_used(function: Callable[[Array], Array], points: Array, indices: IntArray) -> Array:
+    """Evaluate a function at the indexed points only; the others get infinity."""
+    used = np.zeros(len(points), dtype=bool)
+    used[indices] = True
+    values = np.full(len(points), np.inf)
+    values[used] = function(points[used])
+    return values
+
+
+def _to_mesh_um(manifold: Manifold, boundary: Boundary, promised_um: float) -> float:
+    """Largest distance, along the normal, of points of the curved surfaces from the mesh."""
+    reach_mm = 1e-3 * _SEARCH * promised_um
+    farthest = 0.0
+    for points, normals in boundary.samples(_SAMPLES, margin_mm=2.0 * reach_mm):
+        starts, ends = (points + reach_mm * normals).tolist(), (points - reach_mm * normals).tolist()
+        for point, start, end in zip(points.tolist(), starts, ends, strict=True):
+            hits = manifold.ray_cast(start, end)
+            if not hits:
+                return np.inf
+            farthest = max(
+                farthest, min(float(np.linalg.norm(np.subtract(hit.position, point))) for hit in hits)
+            )
+    return 1e3 * farthest
