@@ -1,0 +1,1 @@
+"""Products: a typed spec each, and the recipe that turns it into parts, an assembly and a verdict."""

@@ -1,0 +1,77 @@
+"""Parts and assemblies: every mass with its place, and the centre of mass of the whole."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from build123d import Solid
+
+from gomboc_cad.body.sphere import Array
+from gomboc_cad.equilibria.records import Vector
+
+
+@dataclass(frozen=True)
+class Part:
+    """One body of an assembly.
+
+    Attributes:
+        name: Unique name, the one in STEP and 3MF.
+        material: Name of the material.
+        mass_g: Mass.
+        com_mm: Centre of mass in the body's frame.
+        volume_mm3: Volume of the solid.
+        solid: The solid, in place.
+        made: Whether it is made by the user (printed or machined) and not bought.
+        standard: Standard or maker's number of a bought part.
+        color: RGB in 0…1.
+    """
+
+    name: str
+    material: str
+    mass_g: float
+    com_mm: Vector
+    volume_mm3: float
+    solid: Solid
+    made: bool
+    standard: str
+    color: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """Parts in place.
+
+    Attributes:
+        name: Name of the product.
+        parts: The parts.
+        com_target_mm: Where the centre of mass was wanted.
+    """
+
+    name: str
+    parts: tuple[Part, ...]
+    com_target_mm: Vector
+
+    @property
+    def mass_g(self) -> float:
+        """Total mass."""
+        return sum(part.mass_g for part in self.parts)
+
+    @property
+    def com_mm(self) -> Vector:
+        """Centre of mass `Σ mᵢ pᵢ / Σ mᵢ`."""
+        x, y, z = (float(value) for value in center_of_mass([(p.mass_g, p.com_mm) for p in self.parts]))
+        return x, y, z
+
+    @property
+    def com_residual_um(self) -> float:
+        """Distance of the centre of mass from its target."""
+        return 1e3 * float(np.linalg.norm(np.subtract(self.com_mm, self.com_target_mm)))
+
+
+def center_of_mass(masses: list[tuple[float, Vector]]) -> Array:
+    """Weighted mean of positions: pairs (mass, position), shape (3,)."""
+    weights = np.array([mass for mass, _ in masses])
+    places = np.array([place for _, place in masses])
+    result: Array = weights @ places / weights.sum()
+    return result

@@ -1,0 +1,115 @@
+"""The bare body as files: no cavity, no parts, the same inspection and verdict as a product."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from gomboc_cad.body import Body, catalogue_entries, mass_properties
+from gomboc_cad.documents import file_document, rest_document
+from gomboc_cad.errors import SpecError
+from gomboc_cad.products.imu_housing import Progress
+from gomboc_cad.products.verdict import judge
+from gomboc_cad.solid.boundary import Boundary
+from gomboc_cad.solid.export import NamedMesh, write_3mf, write_step, write_stl
+from gomboc_cad.solid.inspect import Expected, inspect_file
+from gomboc_cad.solid.mass import solid_mass
+from gomboc_cad.solid.mesh import body_mesh
+from gomboc_cad.solid.offset import InsetSurface
+from gomboc_cad.solid.output import open_output
+from gomboc_cad.solid.patches import body_solid, default_deviation_um, max_deviation_um
+from gomboc_cad.solid.step import NamedSolid
+
+FORMATS = ("step", "stl", "3mf")
+STAGES = 5
+
+_COLOR = (0.27, 0.51, 0.71)
+
+
+def write_body(
+    body: Body,
+    folder: Path,
+    formats: Sequence[str] = FORMATS,
+    sag_um: float = 10.0,
+    *,
+    force: bool = False,
+    audit: bool = False,
+    progress: Progress = lambda stage: None,
+) -> dict[str, Any]:
+    """Write a body's files, read them back and judge the body about its homogeneous centroid.
+
+    Args:
+        body: The body; a refuted one is written too, with the verdict FAIL.
+        folder: Where the files go.
+        formats: Any of `step`, `stl`, `3mf`.
+        sag_um: Largest distance of a mesh's facets from the analytic surface.
+        force: Allow a folder that holds something, and replace files of the same names.
+        audit: Have the meshes checked by PyMeshLab too.
+        progress: Called with the name of each stage as it begins.
+
+    Returns:
+        The JSON document of `gomboc-cad body`.
+
+    Raises:
+        SpecError: If a format is not known.
+        GeometryError: If the surface cannot be drawn, or the sag is out of range.
+        OutputError: If the files cannot be written.
+    """
+    wanted = list(dict.fromkeys(name.strip().lower() for name in formats))
+    if not wanted or not set(wanted) <= set(FORMATS):
+        raise SpecError(f"--formats {','.join(formats)} is not allowed; choose any of {', '.join(FORMATS)}.")
+    name = file_stem(body)
+    with open_output(folder, force) as staging:
+        progress("making the solid")
+        solid = body_solid(body)
+        deviation_um = max_deviation_um(solid, [InsetSurface(body)])
+        progress("making the mesh")
+        mesh = body_mesh(body, sag_um)
+
+        progress("writing the files")
+        paths = [staging / f"{name}.{kind}" for kind in wanted]
+        for path in paths:
+            if path.suffix == ".step":
+                write_step(path, [NamedSolid(name, solid, _COLOR)], name)
+            elif path.suffix == ".stl":
+                write_stl(path, mesh, name)
+            else:
+                write_3mf(path, [NamedMesh(name, mesh)])
+
+        progress("reading the files back")
+        model = mass_properties(body)
+        boundary = Boundary.of_body(body)
+        as_mesh = Expected(name, model.volume_mm3, model.centroid_mm, sag_um, boundary)
+        promised_um = max(default_deviation_um(body), deviation_um)
+        as_solid = Expected(name, model.volume_mm3, model.centroid_mm, promised_um, boundary)
+        found = [
+            inspect_file(path, [as_solid if path.suffix == ".step" else as_mesh], audit) for path in paths
+        ]
+
+        progress("judging")
+        entry = catalogue_entries().get(body.name)
+        refuted = (entry.reason,) if entry is not None and entry.status == "refuted" else ()
+        problems = tuple(f"{file.name}: {problem}" for file in found for problem in file.problems)
+        verdict = judge(body, model.centroid_mm, refuted + problems)
+    measured = solid_mass(solid)
+    return {
+        "folder": str(folder),
+        "body": body.name,
+        "diameter_mm": body.diameter_mm,
+        "files": [file_document(file) for file in found],
+        "max_deviation_um": deviation_um,
+        "sag_um": sag_um,
+        "volume_mm3": measured.volume_mm3,
+        "com_mm": list(measured.com_mm),
+        "s_margin_mm": verdict.census.margin.s_margin_mm if verdict.census else None,
+        "rest": rest_document(verdict.census.rest) if verdict.census else None,
+        "verdict": verdict.verdict,
+        "reasons": list(verdict.reasons),
+    }
+
+
+def file_stem(body: Body) -> str:
+    """Name of a body's files: its name with everything but letters, digits, dots and dashes replaced."""
+    kept = "".join(c if c.isascii() and (c.isalnum() or c in ".-") else "-" for c in body.name)
+    return kept.strip("-.") or "body"

@@ -1,0 +1,121 @@
+"""Sensor boards as data: outline, mounting holes, mass and sensor."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import Field, model_validator
+
+from gomboc_cad.errors import SpecError
+from gomboc_cad.products.toml_model import Number, Point, Text, TomlModel, parse_model, read_toml
+from gomboc_cad.resources import template_folder
+
+Size = Annotated[Number, Field(gt=0.0, le=500.0)]
+
+
+class MountingHole(TomlModel):
+    """A mounting hole in the board's frame."""
+
+    x_mm: Number
+    y_mm: Number
+    diameter_mm: Annotated[Number, Field(gt=0.0, le=10.0)]
+
+
+class Sensor(TomlModel):
+    """Where the sensor sits and how its axes lie in the board's frame.
+
+    Attributes:
+        part: Manufacturer's part name.
+        position_mm: Centre of the package in the board's frame.
+        x_axis: Direction of the sensor's x-axis in the board's frame.
+        y_axis: Direction of the sensor's y-axis in the board's frame.
+        axes_note: What the axes rest on.
+    """
+
+    part: Text
+    position_mm: Point
+    x_axis: Point
+    y_axis: Point
+    axes_note: Text
+
+
+class Board(TomlModel):
+    """A rectangular board: x along its length, y along its width, z out of the component side.
+
+    The origin is a corner of the underside.
+
+    Attributes:
+        name: Full name.
+        length_mm: Size along x.
+        width_mm: Size along y.
+        thickness_mm: Thickness of the laminate.
+        corner_radius_mm: Radius of the corners.
+        height_mm: From the underside to the top of the tallest component.
+        below_mm: How far solder joints and parts stick out below the underside.
+        holes: Mounting holes.
+        mass_g: Mass with everything soldered to it.
+        mass_tolerance_g: How far the mass may be off.
+        com_mm: Centre of mass in the board's frame.
+        sensor: The sensor.
+        source: Where the dimensions come from.
+        mass_source: Where mass and centre of mass come from.
+    """
+
+    name: Text
+    length_mm: Size
+    width_mm: Size
+    thickness_mm: Annotated[Number, Field(gt=0.0, le=10.0)]
+    corner_radius_mm: Annotated[Number, Field(ge=0.0, le=50.0)] = 0.0
+    height_mm: Size
+    below_mm: Annotated[Number, Field(ge=0.0, le=50.0)] = 0.0
+    holes: Annotated[tuple[MountingHole, ...], Field(min_length=2, max_length=12)]
+    mass_g: Annotated[Number, Field(gt=0.0, le=5000.0)]
+    mass_tolerance_g: Annotated[Number, Field(ge=0.0, le=1000.0)]
+    com_mm: Point
+    sensor: Sensor
+    source: Text
+    mass_source: Text
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Board:
+        if self.height_mm < self.thickness_mm:
+            raise ValueError(
+                f"height_mm = {self.height_mm:g} is less than thickness_mm = {self.thickness_mm:g}"
+            )
+        if 2.0 * self.corner_radius_mm > min(self.length_mm, self.width_mm):
+            raise ValueError(f"corner_radius_mm = {self.corner_radius_mm:g} does not fit the outline")
+        for hole in self.holes:
+            radius = 0.5 * hole.diameter_mm
+            inside_x = radius <= hole.x_mm <= self.length_mm - radius
+            if not (inside_x and radius <= hole.y_mm <= self.width_mm - radius):
+                raise ValueError(f"the hole at ({hole.x_mm:g}, {hole.y_mm:g}) is not inside the outline")
+        x, y, z = self.com_mm
+        if not (
+            0 <= x <= self.length_mm and 0 <= y <= self.width_mm and -self.below_mm <= z <= self.height_mm
+        ):
+            raise ValueError(f"com_mm = ({x:g}, {y:g}, {z:g}) is not inside the board's box")
+        return self
+
+
+def load_board(name: str, beside: Path | None = None) -> Board:
+    """Read a board by the name of a template or by the path of a user's own file.
+
+    Args:
+        name: `adafruit-bno055`, or a path that ends in `.toml`.
+        beside: Folder that a relative path starts from, usually that of the spec.
+
+    Raises:
+        SpecError: If there is no such board or its file is wrong.
+    """
+    if name.endswith(".toml"):
+        path = (beside or Path()) / name
+    else:
+        folder = template_folder() / "boards"
+        known = sorted(file.stem for file in folder.glob("*.toml"))
+        if name not in known:
+            raise SpecError(
+                f"There is no board {name!r}; choose one of {', '.join(known)}, or give a .toml file."
+            )
+        path = folder / f"{name}.toml"
+    return parse_model(Board, read_toml(path), path.name)

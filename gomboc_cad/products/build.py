@@ -1,0 +1,201 @@
+"""From a spec to a folder of files with a verdict: the main job."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gomboc_cad import __version__
+from gomboc_cad.documents import file_document, rest_document
+from gomboc_cad.products.assembly import Assembly
+from gomboc_cad.products.body_spec import require_verified
+from gomboc_cad.products.imu_housing import LOWER, UPPER, HousingDesign, Progress, design_imu_housing
+from gomboc_cad.products.spec import load_spec, spec_path
+from gomboc_cad.products.verdict import Sensitivity, Verdict, judge, tilt_from_com_error_deg
+from gomboc_cad.solid.boundary import Boundary
+from gomboc_cad.solid.export import NamedMesh, write_3mf, write_step, write_stl
+from gomboc_cad.solid.inspect import Expected, FileInspection, inspect_file
+from gomboc_cad.solid.mass import solid_mass
+from gomboc_cad.solid.output import open_output, write_bytes
+from gomboc_cad.solid.patches import default_deviation_um
+from gomboc_cad.solid.step import NamedSolid
+
+STAGES = 7
+VERDICT_FILE = "verdict.json"
+
+_BOUGHT_PART_DEVIATION_UM = 0.1
+"""How far the knurled and threaded surfaces of bought parts may move on the way through a STEP file."""
+
+
+def build_product(
+    spec: str,
+    folder: Path,
+    *,
+    force: bool = False,
+    allow_unverified: bool = False,
+    audit: bool = False,
+    progress: Progress = lambda stage: None,
+) -> dict[str, Any]:
+    """Build a product, write its files, read them back, and judge it.
+
+    Args:
+        spec: Name of a product, which stands for its template, or the path of a spec.
+        folder: Where the files go.
+        force: Allow a folder that holds something, and replace files of the same names.
+        allow_unverified: Build of a body that is refuted or not convex too.
+        audit: Have the meshes checked by PyMeshLab too.
+        progress: Called with the name of each stage as it begins.
+
+    Returns:
+        The JSON document of `gomboc-cad build`, also written as `verdict.json`.
+
+    Raises:
+        SpecError: If the spec is wrong.
+        UnverifiedBodyError: If its body is refuted or not convex.
+        GeometryError: If something does not fit.
+        OutputError: If the files cannot be written.
+    """
+    wanted = load_spec(spec)
+    body = wanted.body.body()
+    if not allow_unverified:
+        require_verified(body)
+    with open_output(folder, force) as staging:
+        design = design_imu_housing(wanted, spec_path(spec).parent, progress)
+        progress("writing the files")
+        expected = _write(design, staging)
+        progress("reading the files back")
+        found = [inspect_file(staging / name, parts, audit) for name, parts in expected.items()]
+        progress("judging")
+        verdict = judge(body, design.assembly.com_mm, _problems(design, found))
+        document = _document(design, verdict, found)
+        text = json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+        write_bytes(staging / VERDICT_FILE, text.encode())
+    # Not in the file, which is to be the same wherever it is written.
+    return {"folder": str(folder), **document}
+
+
+def _write(design: HousingDesign, staging: Path) -> dict[str, list[Expected]]:
+    """Write all files; give what each of them must hold."""
+    assembly = design.assembly
+    seam = design.layout.frame.point(0.0, 0.0, design.layout.seam_height_mm)
+    x, y, z = (float(value) for value in seam)
+    halves = Boundary.of_hollow(design.layout.hollow).split((x, y, z), design.layout.frame.up)
+    boundaries = dict(zip((LOWER, UPPER), halves, strict=True))
+    deviation_um, sag_um = default_deviation_um(design.body), design.spec.mesh.sag_um
+
+    as_solids = {
+        part.name: Expected(
+            part.name,
+            part.volume_mm3,
+            solid_mass(part.solid).com_mm,
+            deviation_um if part.made else _BOUGHT_PART_DEVIATION_UM,
+            boundaries.get(part.name),
+        )
+        for part in assembly.parts
+    }
+    as_meshes = {
+        name: Expected(name, as_solids[name].volume_mm3, as_solids[name].com_mm, sag_um, boundaries[name])
+        for name in (LOWER, UPPER)
+    }
+
+    expected: dict[str, list[Expected]] = {}
+    solids = {part.name: NamedSolid(part.name, part.solid, part.color) for part in assembly.parts}
+    write_step(staging / f"{assembly.name}.step", list(solids.values()), assembly.name)
+    expected[f"{assembly.name}.step"] = list(as_solids.values())
+    for name in (LOWER, UPPER):
+        write_step(staging / f"{name}.step", [solids[name]], name)
+        expected[f"{name}.step"] = [as_solids[name]]
+        write_stl(staging / f"{name}.stl", design.meshes[name], name)
+        expected[f"{name}.stl"] = [as_meshes[name]]
+    write_3mf(
+        staging / f"{assembly.name}.3mf", [NamedMesh(name, design.meshes[name]) for name in (LOWER, UPPER)]
+    )
+    expected[f"{assembly.name}.3mf"] = list(as_meshes.values())
+    return expected
+
+
+def _problems(design: HousingDesign, found: list[FileInspection]) -> tuple[str, ...]:
+    problems = [f"{file.name}: {problem}" for file in found for problem in file.problems]
+    residual, allowed = design.assembly.com_residual_um, design.spec.com.max_residual_um
+    if residual > allowed:
+        problems.append(
+            f"The centre of mass is {residual:.3g} µm from its target, and com.max_residual_um allows "
+            f"{allowed:g} µm."
+        )
+    return tuple(problems)
+
+
+def _sensitivities(design: HousingDesign, verdict: Verdict) -> list[Sensitivity]:
+    """What the uncertain masses of the spec do to the finished part."""
+    if verdict.census is None:
+        return []
+    assembly, board = design.assembly, design.board
+    place = next(part.com_mm for part in assembly.parts if part.name == "board")
+    arm = np.subtract(place, assembly.com_mm) * board.mass_tolerance_g / assembly.mass_g
+    error = (float(arm[0]), float(arm[1]), float(arm[2]))
+    com_error_um = 1e3 * float(np.linalg.norm(arm))
+    tilt = tilt_from_com_error_deg(verdict.census.rest, error)
+    return [Sensitivity(f"mass of the board ±{board.mass_tolerance_g:g} g", com_error_um, tilt)]
+
+
+def _document(design: HousingDesign, verdict: Verdict, found: list[FileInspection]) -> dict[str, Any]:
+    """The JSON document of a build."""
+    assembly, census = design.assembly, verdict.census
+    watertight = _watertight(found)
+    return {
+        "product": assembly.name,
+        "version": __version__,
+        "body": design.body.name,
+        "diameter_mm": design.body.diameter_mm,
+        "spec": design.spec.model_dump(mode="json", exclude_none=True),
+        "files": [file_document(file) for file in found],
+        "parts": [
+            {
+                "name": part.name,
+                "material": part.material,
+                "mass_g": part.mass_g,
+                "volume_mm3": part.volume_mm3,
+                "com_mm": list(part.com_mm),
+                "made": part.made,
+                "standard": part.standard,
+                "watertight": watertight.get(part.name),
+            }
+            for part in assembly.parts
+        ],
+        "assembly": _assembly_document(assembly),
+        "core_shift_mm": list(design.layout.hollow.core_shift_mm),
+        "min_wall_left_mm": design.min_wall_left_mm,
+        "s_margin_mm": census.margin.s_margin_mm if census else None,
+        "u_margin_mm": census.margin.u_margin_mm if census else None,
+        "stable": census.stable if census else None,
+        "unstable": census.unstable if census else None,
+        "saddles": census.saddles if census else None,
+        "rest": rest_document(census.rest) if census else None,
+        "sensitivities": [
+            {"source": item.source, "com_error_um": item.com_error_um, "tilt_deg": item.tilt_deg}
+            for item in _sensitivities(design, verdict)
+        ],
+        "verdict": verdict.verdict,
+        "reasons": list(verdict.reasons),
+    }
+
+
+def _assembly_document(assembly: Assembly) -> dict[str, Any]:
+    return {
+        "mass_g": assembly.mass_g,
+        "com_mm": list(assembly.com_mm),
+        "com_target_mm": list(assembly.com_target_mm),
+        "com_residual_um": assembly.com_residual_um,
+    }
+
+
+def _watertight(found: list[FileInspection]) -> dict[str, bool]:
+    """A part is watertight when every file that holds it says so."""
+    result: dict[str, bool] = {}
+    for file in found:
+        for part in file.parts:
+            result[part.name] = result.get(part.name, True) and part.watertight
+    return result

@@ -1,0 +1,92 @@
+"""The verdict on an assembly: does it right itself, by what margin, and what does an error do to it?"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from gomboc_cad.body import Body
+from gomboc_cad.equilibria import Census, smooth_census
+from gomboc_cad.equilibria.records import Rest, Vector
+from gomboc_cad.errors import CensusError, NotConvexError
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """PASS or FAIL, with every reason in words.
+
+    Attributes:
+        verdict: PASS when the outer surface has exactly one stable rest about the assembled centre of
+            mass and nothing else is wrong.
+        reasons: Sentences, the deciding ones first.
+        census: The census behind it; None where there can be none.
+    """
+
+    verdict: Literal["PASS", "FAIL"]
+    reasons: tuple[str, ...]
+    census: Census | None
+
+    @property
+    def passed(self) -> bool:
+        """Whether the verdict is PASS."""
+        return self.verdict == "PASS"
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """What one uncertain quantity does to the finished part.
+
+    Attributes:
+        source: What may be off.
+        com_error_um: How far that moves the centre of mass.
+        tilt_deg: How far that tilts the rest, to first order.
+    """
+
+    source: str
+    com_error_um: float
+    tilt_deg: float
+
+
+def judge(body: Body, com_mm: Vector, problems: tuple[str, ...] = ()) -> Verdict:
+    """Take the census of the outer surface about a centre of mass and say what follows.
+
+    Args:
+        body: The outer surface.
+        com_mm: Centre of mass of the assembly.
+        problems: What else was found wrong, one sentence each; any makes the verdict FAIL.
+    """
+    try:
+        census = smooth_census(body, com_mm)
+    except (NotConvexError, CensusError) as error:
+        return Verdict("FAIL", (*problems, str(error)), None)
+    count = f"{census.stable} stable, {census.saddles} saddle and {census.unstable} unstable equilibria"
+    if census.stable != 1:
+        reason = (
+            f"The centre of mass ({com_mm[0]:.3f}, {com_mm[1]:.3f}, {com_mm[2]:.3f}) mm is outside the "
+            f"loading zone: the outer surface has {count} about it, so the part can come to rest in "
+            f"{census.stable} ways; move the centre of mass nearer to the homogeneous centroid or to the "
+            "rest point."
+        )
+        return Verdict("FAIL", (*problems, reason), census)
+    margin = census.margin.s_margin_mm
+    said = (
+        f"The outer surface has {count} about the centre of mass: the part rights itself to one pose.",
+        f"The centre of mass may be off by less than {margin:.4g} mm in any direction before a second rest "
+        f"can appear, the same margin as that of a sphere whose centre of mass is lowered by {margin:.4g} "
+        "mm.",
+        "Each micrometre of centre-of-mass error tilts the rest by up to "
+        f"{census.rest.tilt_deg_per_um[0]:.3g}° along its soft axis and "
+        f"{census.rest.tilt_deg_per_um[1]:.2g}° along its stiff one.",
+    )
+    return Verdict("FAIL" if problems else "PASS", (*problems, *said), census)
+
+
+def tilt_from_com_error_deg(rest: Rest, error_mm: Vector) -> float:
+    """Tilt of the rest for a centre-of-mass error given in the body's frame, to first order.
+
+    `δu = (∇²h)⁻¹ v_T`: only the part of the error across the vertical counts.
+    """
+    across = np.array([np.dot(rest.soft_direction, error_mm), np.dot(rest.stiff_direction, error_mm)])
+    return float(np.linalg.norm(across * 1e3 * np.array(rest.tilt_deg_per_um)))

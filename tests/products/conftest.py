@@ -1,0 +1,33 @@
+"""The default housing, designed once for all tests that look at it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from gomboc_cad.products.imu_housing import HousingDesign, design_imu_housing
+from gomboc_cad.products.spec import load_spec
+from gomboc_cad.resources import template_folder
+
+
+@pytest.fixture(scope="session")
+def default_housing() -> HousingDesign:
+    """The housing that the template describes."""
+    return design_imu_housing(load_spec("imu-housing"))
+
+
+@pytest.fixture
+def template_with(tmp_path: Path):
+    """`template_with((old, new), ...)` writes the housing's template with changes and gives its path."""
+
+    def write(*changes: tuple[str, str]) -> Path:
+        text = (template_folder() / "imu-housing.toml").read_text(encoding="utf-8")
+        for old, new in changes:
+            assert text.count(old) == 1, f"{old!r} stands {text.count(old)} times in the template"
+            text = text.replace(old, new)
+        path = tmp_path / "mine.toml"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write
