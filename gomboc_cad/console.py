@@ -1,0 +1,187 @@
+"""What a person sees in the terminal: tables on stdout, progress on stderr."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+
+class Reporter:
+    """Says results in the way that was asked for: JSON, tables, or nothing.
+
+    Args:
+        as_json: One JSON object on stdout and nothing else there.
+        quiet: No progress and no tables.
+    """
+
+    def __init__(self, as_json: bool, quiet: bool) -> None:
+        self.as_json = as_json
+        self.quiet = quiet
+
+    def document(self, document: dict[str, Any], show: Callable[[dict[str, Any]], None]) -> None:
+        """Print a result, as JSON or by the function that shows it to a person."""
+        if self.as_json:
+            json.dump(document, sys.stdout, indent=2, ensure_ascii=False, allow_nan=False)
+            sys.stdout.write("\n")
+        elif not self.quiet:
+            show(document)
+
+    @contextmanager
+    def stages(self, total: int) -> Iterator[Callable[[str], None]]:
+        """A progress bar over named stages on stderr, where that is a terminal.
+
+        The callback that it gives names the stage that begins.
+        """
+        if self.quiet or not sys.stderr.isatty():
+            yield lambda stage: None
+            return
+        from rich.console import Console
+        from rich.progress import (
+            BarColumn,
+            MofNCompleteColumn,
+            Progress,
+            SpinnerColumn,
+            TextColumn,
+            TimeElapsedColumn,
+        )
+
+        text = TextColumn("{task.description}")
+        columns = (SpinnerColumn(), text, BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+        with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+            task = bar.add_task("starting", total=total)
+            begun = False
+
+            def begin(stage: str) -> None:
+                nonlocal begun
+                bar.update(task, description=stage, advance=1 if begun else 0)
+                begun = True
+
+            yield begin
+
+
+def _table(title: str, *columns: str) -> Any:
+    from rich.table import Table
+
+    table = Table(title=title, title_justify="left", title_style="bold", header_style="bold")
+    for index, column in enumerate(columns):
+        table.add_column(column, overflow="fold", no_wrap=index == 0)
+    return table
+
+
+def _print(*things: Any) -> None:
+    from rich.console import Console
+
+    # Names come from users; markup in them must stay text.
+    console = Console(markup=False, highlight=False)
+    for thing in things:
+        console.print(thing)
+
+
+def show_catalog(document: dict[str, Any]) -> None:
+    """The catalogue as a table."""
+    table = _table(
+        "Bodies (lengths in units of the nominal radius)",
+        "name",
+        "family",
+        "parameters",
+        "status",
+        "S-margin",
+        "reason",
+    )
+    for body in document["bodies"]:
+        terms = [] if body["beta"] is None else [f"β = {body['beta']:g}"]
+        terms += [f"{key}: {value:g}" for key, value in body["coefficients"].items()]
+        margin = "–" if body["s_margin"] is None else f"{body['s_margin']:.5f}"
+        table.add_row(body["name"], body["family"], ", ".join(terms), body["status"], margin, body["reason"])
+    _print(table)
+
+
+def show_census(document: dict[str, Any]) -> None:
+    """A census as two tables."""
+    facts = _table(
+        f"{document['body']}, nominal diameter {document['diameter_mm']:g} mm: {document['verdict']}",
+        "quantity",
+        "value",
+    )
+    facts.add_row("strictly convex", "yes" if document["strictly_convex"] else "no")
+    facts.add_row("smallest principal curvature", f"{document['min_curvature_per_mm']:.6g} per mm")
+    if document["stable"] is None:
+        facts.add_row("reason", document["reason"])
+        _print(facts)
+        return
+    facts.add_row(
+        "stable, saddle, unstable", f"{document['stable']}, {document['saddles']}, {document['unstable']}"
+    )
+    facts.add_row("volume", f"{document['volume_mm3']:.3f} mm³")
+    facts.add_row("centre of mass", _vector(document["com_mm"], 6) + " mm")
+    facts.add_row("height range", f"{document['height_range_mm']:.5g} mm")
+    facts.add_row(
+        "COM margin (S, U)",
+        f"{document['margin_mm']:.5g} mm ({document['s_margin_mm']:.5g}, {document['u_margin_mm']:.5g})",
+    )
+    _rest_rows(facts, document["rest"])
+    poses = _table("Equilibria", "kind", "direction that points down", "height of the COM")
+    for pose in document["equilibria"]:
+        poses.add_row(pose["kind"], _vector(pose["direction"], 5), f"{pose['height_mm']:.6f} mm")
+    _print(facts, poses)
+
+
+def show_body(document: dict[str, Any]) -> None:
+    """What `gomboc-cad body` wrote."""
+    facts = _table(f"{document['body']}: {document['verdict']}", "quantity", "value")
+    facts.add_row("largest deviation from the analytic surface", f"{document['max_deviation_um']:.3g} µm")
+    facts.add_row("volume", f"{document['volume_mm3']:.3f} mm³")
+    facts.add_row("centre of mass", _vector(document["com_mm"], 6) + " mm")
+    for reason in document["reasons"]:
+        facts.add_row("", reason)
+    _print(facts, _files(document))
+
+
+def show_build(document: dict[str, Any]) -> None:
+    """What `gomboc-cad build` made, and the verdict on it."""
+    parts = _table(f"{document['product']}: parts", "part", "material", "mass", "volume", "watertight")
+    for part in document["parts"]:
+        watertight = {True: "yes", False: "NO", None: "–"}[part["watertight"]]
+        parts.add_row(
+            part["name"],
+            part["material"],
+            f"{part['mass_g']:.3f} g",
+            f"{part['volume_mm3']:.1f} mm³",
+            watertight,
+        )
+    assembly = document["assembly"]
+    facts = _table(f"Verdict: {document['verdict']}", "quantity", "value")
+    facts.add_row("mass", f"{assembly['mass_g']:.2f} g")
+    facts.add_row("centre of mass", _vector(assembly["com_mm"], 5) + " mm")
+    facts.add_row("distance from its target", f"{assembly['com_residual_um']:.3g} µm")
+    if document["s_margin_mm"] is not None:
+        facts.add_row("S-margin left", f"{document['s_margin_mm']:.4g} mm")
+        _rest_rows(facts, document["rest"])
+    for reason in document["reasons"]:
+        facts.add_row("", reason)
+    _print(parts, facts, _files(document))
+
+
+def _rest_rows(table: Any, rest: dict[str, Any]) -> None:
+    soft, stiff = rest["tilt_deg_per_um"]
+    table.add_row("points down at rest", _vector(rest["direction"], 5))
+    table.add_row("tilt of the rest per µm of COM error", f"{soft:.3g}° soft, {stiff:.2g}° stiff")
+
+
+def _files(document: dict[str, Any]) -> Any:
+    table = _table(f"Files in {document['folder']}", "file", "size", "read back and checked")
+    for file in document["files"]:
+        table.add_row(
+            file["path"],
+            f"{file['size_bytes'] / 1000:.0f} kB",
+            "in order" if file["ok"] else "; ".join(file["problems"]),
+        )
+    return table
+
+
+def _vector(values: list[float], digits: int) -> str:
+    # Adding zero turns a rounded −0.0 into 0.0.
+    return "(" + ", ".join(f"{round(value, digits) + 0.0:.{digits}f}" for value in values) + ")"

@@ -1,0 +1,291 @@
+"""The command line for scripts: JSON keys, exit codes, one sentence for a mistake, whole files or none."""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from gomboc_cad.resources import template_folder
+from tests.conftest import BuiltHousing
+
+
+def run(*arguments: str, **options: Any) -> subprocess.CompletedProcess[str]:
+    """Run the command line in a process of its own."""
+    command = [sys.executable, "-m", "gomboc_cad", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=240, check=False, **options)
+
+
+def json_of(*arguments: str, code: int = 0) -> dict[str, Any]:
+    """Run with --json; stdout must be one JSON object and nothing else."""
+    done = run(*arguments, "--json", "--quiet")
+    assert done.returncode == code, done.stderr
+    assert done.stderr == ""
+    document = json.loads(done.stdout)
+    assert isinstance(document, dict)
+    return document
+
+
+def assert_one_sentence(done: subprocess.CompletedProcess[str], said: str) -> None:
+    """Exit code 2, and one line on stderr that says it."""
+    assert done.returncode == 2, done.stdout + done.stderr
+    assert done.stdout == ""
+    assert said in done.stderr
+    assert done.stderr.startswith("gomboc-cad: ")
+    assert done.stderr.count("\n") == 1
+    assert "Traceback" not in done.stderr
+
+
+def test_the_catalogue_has_the_contracts_keys() -> None:
+    bodies = {body["name"]: body for body in json_of("catalog")["bodies"]}
+    assert {"primary", "sloan2-0.020", "sloan2-0.030", "sloan2-0.035", "second", "third"} <= set(bodies)
+    keys = {"name", "family", "beta", "coefficients", "status", "reason", "s_margin"}
+    assert all(keys <= set(body) for body in bodies.values())
+    assert bodies["second"]["status"] == bodies["third"]["status"] == "refuted"
+    assert bodies["second"]["s_margin"] is None
+    assert bodies["primary"]["s_margin"] == pytest.approx(0.00339, rel=0.01)
+
+
+def test_the_census_has_the_contracts_keys_and_the_reference_values() -> None:
+    """Reference values of the primary with R₀ = 50 mm: volume and COM to 1e-9, margins to 1 %."""
+    census = json_of("census", "primary")
+    assert (census["stable"], census["saddles"], census["unstable"]) == (1, 0, 1)
+    assert census["strictly_convex"] is True
+    assert census["volume_mm3"] == pytest.approx(523458.313905, rel=1e-9)
+    assert census["com_mm"] == pytest.approx([-0.134778477, 0.0, 0.0], abs=1e-9)
+    assert census["margin_mm"] == pytest.approx(0.00330 * 50, rel=0.01)
+    assert census["s_margin_mm"] == pytest.approx(0.00339 * 50, rel=0.01)
+    assert census["height_range_mm"] == pytest.approx(0.0518 * 50, rel=0.01)
+    assert census["min_curvature_per_mm"] == pytest.approx(0.0885 / 50, rel=0.01)
+    assert {"direction", "stiffness_mm", "tilt_deg_per_um"} <= set(census["rest"])
+    assert {"kind", "direction", "height_mm"} <= set(census["equilibria"][0])
+    assert census["u_margin_mm"] > 0.0
+
+
+def test_a_family_gives_the_same_census_as_its_name() -> None:
+    named = json_of("census", "primary", "--diameter-mm", "60")
+    family = json_of(
+        "census", "--family", "extended", "--beta", "0.023149", "--coef", "1=0.234433", "--diameter-mm", "60"
+    )
+    assert family["body"] == "extended(beta=0.023149, 1=0.234433)"
+    for key in ("volume_mm3", "com_mm", "margin_mm", "equilibria"):
+        assert family[key] == named[key]
+
+
+def test_a_harmonic_body_is_described_by_its_terms() -> None:
+    census = json_of("census", "--family", "harmonic", "--coef", "2,0=0.01", "--coef", "2,2=0.02", code=1)
+    assert census["verdict"] == "multistable"
+    assert (census["stable"], census["saddles"], census["unstable"]) == (2, 2, 2)
+
+
+def test_a_centre_of_mass_outside_the_zone_is_a_fail() -> None:
+    census = json_of("census", "primary", "--com-mm", "0.5,0,0", code=1)
+    assert census["stable"] > 1
+    assert census["com_mm"] == [0.5, 0.0, 0.0]
+    assert json_of("census", "primary", "--com-mm", "-1,0,0")["stable"] == 1
+
+
+def test_what_cannot_be_known_of_a_dented_body_is_null() -> None:
+    census = json_of("census", "second", code=1)
+    assert census["strictly_convex"] is False
+    assert census["stable"] is None
+    assert census["margin_mm"] is None
+    assert "not strictly convex" in census["reason"]
+
+
+def test_the_build_has_the_contracts_keys(built_housing: BuiltHousing) -> None:
+    document = built_housing.document
+    assert document["verdict"] == "PASS"
+    assert all(file["ok"] for file in document["files"]), document["reasons"]
+    assert {"name", "material", "mass_g", "volume_mm3", "watertight"} <= set(document["parts"][0])
+    assert all(part["watertight"] for part in document["parts"])
+    assembly = document["assembly"]
+    assert assembly["com_residual_um"] <= 1.0
+    assert assembly["mass_g"] == pytest.approx(sum(part["mass_g"] for part in document["parts"]))
+    assert assembly["com_mm"] == pytest.approx(assembly["com_target_mm"], abs=1e-6)
+    assert document["s_margin_mm"] == pytest.approx(0.1696, rel=0.01)
+    assert document["reasons"]
+    assert document["rest"]["tilt_deg_per_um"][0] == pytest.approx(0.338, rel=0.01)
+
+
+def test_the_files_are_there_and_the_verdict_is_on_disk(built_housing: BuiltHousing) -> None:
+    folder, document = built_housing.folder, built_housing.document
+    on_disk = {path.name for path in folder.iterdir()}
+    assert on_disk == {file["path"] for file in document["files"]} | {"verdict.json"}
+    assert {"imu-housing.step", "imu-housing.3mf"} <= on_disk
+    for half in ("lower", "upper"):
+        assert {f"imu-housing-{half}.step", f"imu-housing-{half}.stl"} <= on_disk
+    verdict = json.loads((folder / "verdict.json").read_text(encoding="utf-8"))
+    assert verdict == {key: value for key, value in document.items() if key != "folder"}
+    for file in document["files"]:
+        assert (folder / file["path"]).stat().st_size == file["size_bytes"]
+
+
+@pytest.mark.slow
+def test_the_same_input_gives_the_same_bytes(built_housing: BuiltHousing, tmp_path: Path) -> None:
+    folder = built_housing.folder
+    again = tmp_path / "elsewhere"
+    json_of("build", "imu-housing", "-o", str(again))
+    for path in sorted(folder.iterdir()):
+        assert path.read_bytes() == (again / path.name).read_bytes(), path.name
+
+
+def test_what_a_user_has_is_not_overwritten(built_housing: BuiltHousing, tmp_path: Path) -> None:
+    folder = built_housing.folder
+    before = {path.name: path.stat().st_mtime_ns for path in folder.iterdir()}
+    assert_one_sentence(run("build", "imu-housing", "-o", str(folder), "-q"), "--force")
+    assert {path.name: path.stat().st_mtime_ns for path in folder.iterdir()} == before
+    kept = tmp_path / "mine"
+    kept.mkdir()
+    (kept / "notes.txt").write_text("mine", encoding="utf-8")
+    assert_one_sentence(run("body", "primary", "-o", str(kept), "-q"), "--force")
+    assert [path.name for path in kept.iterdir()] == ["notes.txt"]
+    json_of("body", "primary", "-o", str(kept), "--force", "--formats", "stl", "--sag-um", "200")
+    assert sorted(path.name for path in kept.iterdir()) == ["notes.txt", "primary.stl"]
+    assert (kept / "notes.txt").read_text(encoding="utf-8") == "mine"
+
+
+def test_the_bare_body_has_the_contracts_keys(tmp_path: Path) -> None:
+    folder = tmp_path / "deep" / "body"
+    document = json_of("body", "primary", "-o", str(folder), "--sag-um", "50")
+    assert document["verdict"] == "PASS"
+    assert document["max_deviation_um"] <= 0.1
+    assert document["volume_mm3"] == pytest.approx(523458.313905, rel=1e-6)
+    assert document["com_mm"] == pytest.approx([-0.134778477, 0.0, 0.0], abs=1e-4)
+    assert sorted(path.name for path in folder.iterdir()) == ["primary.3mf", "primary.step", "primary.stl"]
+    assert (folder / "primary.step").stat().st_size < 1_000_000
+
+
+def test_a_refuted_body_is_written_with_the_verdict_fail(tmp_path: Path) -> None:
+    document = json_of(
+        "body", "second", "-o", str(tmp_path / "out"), "--formats", "stl", "--sag-um", "100", code=1
+    )
+    assert document["verdict"] == "FAIL"
+    assert "Gaussian curvature" in document["reasons"][0]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["census"], "Give either the name of a body"),
+        (["census", "primary", "--family", "sloan2"], "Give either the name of a body"),
+        (["census", "primry"], "did you mean primary"),
+        (["census", "primary", "--beta", "0.02"], "go with --family"),
+        (["census", "--family", "sloan2"], "needs beta"),
+        (["census", "--family", "sloan2", "--beta", "nan"], "beta = nan"),
+        (["census", "--family", "sloan2", "--beta", "0.3"], "outside 0 ≤ beta < 0.25"),
+        (["census", "--family", "sloan2", "--beta", "x"], "valid number"),
+        (["census", "--family", "extended", "--beta", "0.02", "--coef", "1"], "--coef needs K=A"),
+        (["census", "--family", "extended", "--beta", "0.02", "--coef", "a=1"], "must be an integer k"),
+        (["census", "--family", "sloan2", "--beta", "0"], "move the centre of mass"),
+        (["census", "primary", "--com-mm", "1,2"], "three numbers"),
+        (["census", "primary", "--com-mm", "nan,0,0"], "three finite numbers"),
+        (["census", "primary", "--com-mm", "99,0,0"], "outside the body"),
+        (["census", "primary", "--diameter-mm", "0"], "--diameter-mm 0 is not allowed"),
+        (["census", "primary", "--diameter-mm", "nan"], "--diameter-mm nan is not allowed"),
+        (["census", "primary", "--diameter-mm", "1e300"], "is not allowed"),
+        (["build", "teapot", "-o", "out"], "no product 'teapot'"),
+        (["build", "absent.toml", "-o", "out"], "There is no file absent.toml"),
+        (["build", "imu-housing"], "Missing option"),
+        (["body", "primary", "-o", "out", "--formats", "iges"], "choose any of step, stl, 3mf"),
+        (["body", "primary", "-o", "out", "--sag-um", "-1"], "sag"),
+        (["body", "primary", "-o", "out", "--sag-um", "nan"], "sag"),
+        (["body", "primary", "-o", "out", "--sag-um", "1e-6"], "sag"),
+        (["body", "primary", "-o", "/proc/nowhere/out", "--sag-um", "500"], "/proc/nowhere/out"),
+        (["frobnicate"], "No such command"),
+        (["catalog", "--frobnicate"], "No such option"),
+    ],
+)
+def test_a_mistake_is_one_sentence_with_exit_code_2(tmp_path: Path, arguments: list[str], said: str) -> None:
+    assert_one_sentence(run(*arguments, cwd=tmp_path), said)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_mistakes_in_a_spec_are_one_sentence_and_write_nothing(tmp_path: Path) -> None:
+    spec = tmp_path / "spec.toml"
+    text = (template_folder() / "imu-housing.toml").read_text(encoding="utf-8")
+    spec.write_text(text.replace("wall_mm = 3.0 ", "wall_mm = -3.0 "), encoding="utf-8")
+    assert_one_sentence(run("build", str(spec), "-o", str(tmp_path / "out"), "-q"), "shell.wall_mm = -3.0")
+    spec.write_text(text.replace("wall_mm = 3.0 ", "wall_mm = 30.0 "), encoding="utf-8")
+    assert_one_sentence(run("build", str(spec), "-o", str(tmp_path / "out"), "-q"), "smallest inner radius")
+    assert [path.name for path in tmp_path.iterdir()] == ["spec.toml"]
+
+
+def test_a_refuted_body_is_refused_for_a_product(tmp_path: Path) -> None:
+    spec = tmp_path / "spec.toml"
+    text = (template_folder() / "imu-housing.toml").read_text(encoding="utf-8")
+    spec.write_text(text.replace('name = "primary"', 'name = "third"'), encoding="utf-8")
+    assert_one_sentence(run("build", str(spec), "-o", str(tmp_path / "out"), "-q"), "--allow-unverified")
+
+
+@pytest.mark.slow
+def test_an_unverified_body_is_built_on_demand_and_fails(tmp_path: Path) -> None:
+    spec = tmp_path / "spec.toml"
+    text = (template_folder() / "imu-housing.toml").read_text(encoding="utf-8")
+    spec.write_text(text.replace('name = "primary"', 'name = "second"'), encoding="utf-8")
+    document = json_of("build", str(spec), "-o", str(tmp_path / "out"), "--allow-unverified", code=1)
+    assert document["verdict"] == "FAIL"
+    assert document["s_margin_mm"] is None
+    assert any("not strictly convex" in reason for reason in document["reasons"])
+
+
+@pytest.mark.slow
+def test_an_interrupt_leaves_nothing_behind(tmp_path: Path) -> None:
+    child = subprocess.Popen(
+        [sys.executable, "-m", "gomboc_cad", "build", "imu-housing", "-o", str(tmp_path / "out"), "-q"],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    deadline = time.monotonic() + 120
+    # The output folder is staged beside its place, so its appearance shows that the work is under way.
+    while not list(tmp_path.iterdir()) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    time.sleep(1.0)
+    child.send_signal(signal.SIGINT)
+    output, errors = child.communicate(timeout=120)
+    assert child.returncode == 130, errors
+    assert output == ""
+    assert "interrupted" in errors
+    assert "Traceback" not in errors
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.slow
+def test_a_disk_that_takes_no_more_leaves_nothing_behind(tmp_path: Path) -> None:
+    """The limit on file sizes is a real refusal of the operating system in the midst of writing."""
+
+    def limit() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (50_000, 50_000))
+
+    done = run("body", "primary", "-o", str(tmp_path / "out"), "-q", preexec_fn=limit)
+    assert_one_sentence(done, "could not be written")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_terminal_shows_a_table_and_progress_goes_to_stderr(tmp_path: Path) -> None:
+    shown = run("census", "primary", env=os.environ | {"COLUMNS": "120"})
+    assert shown.returncode == 0
+    assert "mono-monostatic" in shown.stdout
+    assert "S, U" in shown.stdout
+    assert run("census", "primary", "-q").stdout == ""
+    loud = run(
+        "body", "primary", "-o", str(tmp_path / "out"), "--formats", "stl", "--sag-um", "500", "--json"
+    )
+    assert json.loads(loud.stdout)["verdict"] == "PASS"
+
+
+def test_markup_in_a_name_stays_text(tmp_path: Path) -> None:
+    done = run("census", "[red]nobody[/red]")
+    assert_one_sentence(done, "[red]nobody[/red]")
+
+
+def test_help_and_version() -> None:
+    assert "census" in run("--help").stdout
+    assert run("--version").stdout.startswith("gomboc-cad 0.")
