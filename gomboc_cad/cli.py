@@ -107,6 +107,9 @@ def bare_body(
     diameter_mm: Diameter = 100.0,
     formats: Annotated[str, typer.Option(help="Any of step, stl, 3mf.")] = "step,stl,3mf",
     sag_um: Annotated[float, typer.Option(help="Largest distance of a facet from the true surface.")] = 10.0,
+    deviation_um: Annotated[
+        float | None, typer.Option(help="Largest distance of the STEP solid from the true surface.")
+    ] = None,
     force: Force = False,
     audit: Audit = False,
     json: AsJson = False,
@@ -119,7 +122,14 @@ def bare_body(
     chosen = _body(body, family, beta, coef, diameter_mm)
     with reporter.stages(STAGES) as progress:
         document = write_body(
-            chosen, output, formats.split(","), sag_um, force=force, audit=audit, progress=progress
+            chosen,
+            output,
+            formats.split(","),
+            sag_um,
+            deviation_um=deviation_um,
+            force=force,
+            audit=audit,
+            progress=progress,
         )
     reporter.document(document, show_body)
     return PASSED if document["verdict"] == "PASS" else FAILED

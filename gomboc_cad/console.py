@@ -135,9 +135,7 @@ def show_body(document: dict[str, Any]) -> None:
     facts.add_row("largest deviation from the analytic surface", f"{document['max_deviation_um']:.3g} µm")
     facts.add_row("volume", f"{document['volume_mm3']:.3f} mm³")
     facts.add_row("centre of mass", _vector(document["com_mm"], 6) + " mm")
-    for reason in document["reasons"]:
-        facts.add_row("", reason)
-    _print(facts, _files(document))
+    _print(facts, *_reasons(document), _files(document))
 
 
 def show_build(document: dict[str, Any]) -> None:
@@ -160,15 +158,19 @@ def show_build(document: dict[str, Any]) -> None:
     if document["s_margin_mm"] is not None:
         facts.add_row("S-margin left", f"{document['s_margin_mm']:.4g} mm")
         _rest_rows(facts, document["rest"])
-    for reason in document["reasons"]:
-        facts.add_row("", reason)
-    _print(parts, facts, _files(document))
+    _print(parts, facts, *_reasons(document), _files(document))
 
 
 def _rest_rows(table: Any, rest: dict[str, Any]) -> None:
     soft, stiff = rest["tilt_deg_per_um"]
     table.add_row("points down at rest", _vector(rest["direction"], 5))
     table.add_row("tilt of the rest per µm of COM error", f"{soft:.3g}° soft, {stiff:.2g}° stiff")
+
+
+def _reasons(document: dict[str, Any]) -> list[Any]:
+    from rich.padding import Padding
+
+    return [Padding(reason, (0, 0, 1, 2)) for reason in document["reasons"]]
 
 
 def _files(document: dict[str, Any]) -> Any:

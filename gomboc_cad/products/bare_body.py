@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -33,6 +34,7 @@ def write_body(
     formats: Sequence[str] = FORMATS,
     sag_um: float = 10.0,
     *,
+    deviation_um: float | None = None,
     force: bool = False,
     audit: bool = False,
     progress: Progress = lambda stage: None,
@@ -44,6 +46,8 @@ def write_body(
         folder: Where the files go.
         formats: Any of `step`, `stl`, `3mf`.
         sag_um: Largest distance of a mesh's facets from the analytic surface.
+        deviation_um: Largest distance of the STEP solid from the analytic surface; by default 0.1 µm on a
+            diameter of 100 mm and in proportion.
         force: Allow a folder that holds something, and replace files of the same names.
         audit: Have the meshes checked by PyMeshLab too.
         progress: Called with the name of each stage as it begins.
@@ -52,7 +56,7 @@ def write_body(
         The JSON document of `gomboc-cad body`.
 
     Raises:
-        SpecError: If a format is not known.
+        SpecError: If a format is not known or the deviation is not a positive length.
         GeometryError: If the surface cannot be drawn, or the sag is out of range.
         OutputError: If the files cannot be written.
     """
@@ -62,8 +66,8 @@ def write_body(
     name = file_stem(body)
     with open_output(folder, force) as staging:
         progress("making the solid")
-        solid = body_solid(body)
-        deviation_um = max_deviation_um(solid, [InsetSurface(body)])
+        promised_um = _promised_deviation_um(body, deviation_um)
+        solid = body_solid(body, promised_um)
         progress("making the mesh")
         mesh = body_mesh(body, sag_um)
 
@@ -81,7 +85,6 @@ def write_body(
         model = mass_properties(body)
         boundary = Boundary.of_body(body)
         as_mesh = Expected(name, model.volume_mm3, model.centroid_mm, sag_um, boundary)
-        promised_um = max(default_deviation_um(body), deviation_um)
         as_solid = Expected(name, model.volume_mm3, model.centroid_mm, promised_um, boundary)
         found = [
             inspect_file(path, [as_solid if path.suffix == ".step" else as_mesh], audit) for path in paths
@@ -98,7 +101,7 @@ def write_body(
         "body": body.name,
         "diameter_mm": body.diameter_mm,
         "files": [file_document(file) for file in found],
-        "max_deviation_um": deviation_um,
+        "max_deviation_um": max_deviation_um(solid, [InsetSurface(body)]),
         "sag_um": sag_um,
         "volume_mm3": measured.volume_mm3,
         "com_mm": list(measured.com_mm),
@@ -107,6 +110,14 @@ def write_body(
         "verdict": verdict.verdict,
         "reasons": list(verdict.reasons),
     }
+
+
+def _promised_deviation_um(body: Body, asked_um: float | None) -> float:
+    if asked_um is None:
+        return default_deviation_um(body)
+    if not (math.isfinite(asked_um) and asked_um > 0.0):
+        raise SpecError(f"The deviation must be a positive length in µm, not {asked_um!r}.")
+    return asked_um
 
 
 def file_stem(body: Body) -> str:

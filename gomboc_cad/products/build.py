@@ -138,13 +138,16 @@ def _sensitivities(design: HousingDesign, verdict: Verdict) -> list[Sensitivity]
     error = (float(arm[0]), float(arm[1]), float(arm[2]))
     com_error_um = 1e3 * float(np.linalg.norm(arm))
     tilt = tilt_from_com_error_deg(verdict.census.rest, error)
-    return [Sensitivity(f"mass of the board ±{board.mass_tolerance_g:g} g", com_error_um, tilt)]
+    return [
+        Sensitivity(f"an error of {board.mass_tolerance_g:g} g in the mass of the board", com_error_um, tilt)
+    ]
 
 
 def _document(design: HousingDesign, verdict: Verdict, found: list[FileInspection]) -> dict[str, Any]:
     """The JSON document of a build."""
     assembly, census = design.assembly, verdict.census
     watertight = _watertight(found)
+    sensitivities = _sensitivities(design, verdict)
     return {
         "product": assembly.name,
         "version": __version__,
@@ -176,11 +179,18 @@ def _document(design: HousingDesign, verdict: Verdict, found: list[FileInspectio
         "rest": rest_document(census.rest) if census else None,
         "sensitivities": [
             {"source": item.source, "com_error_um": item.com_error_um, "tilt_deg": item.tilt_deg}
-            for item in _sensitivities(design, verdict)
+            for item in sensitivities
         ],
         "verdict": verdict.verdict,
-        "reasons": list(verdict.reasons),
+        "reasons": [*verdict.reasons, *map(_sentence, sensitivities)],
     }
+
+
+def _sentence(item: Sensitivity) -> str:
+    return (
+        f"{item.source[0].upper()}{item.source[1:]} moves the centre of mass by {item.com_error_um:.3g} µm "
+        f"and tilts the rest by {item.tilt_deg:.2g}°."
+    )
 
 
 def _assembly_document(assembly: Assembly) -> dict[str, Any]:

@@ -79,6 +79,9 @@ def judge(body: Body, com_mm: Vector, problems: tuple[str, ...] = ()) -> Verdict
         "Each micrometre of centre-of-mass error tilts the rest by up to "
         f"{census.rest.tilt_deg_per_um[0]:.3g}° along its soft axis and "
         f"{census.rest.tilt_deg_per_um[1]:.2g}° along its stiff one.",
+        f"This is the nominal geometry: waviness of n undulations per revolution uses the margin up at an "
+        f"amplitude of about {1e3 * margin:.3g} µm / n², {1e3 * margin / 16:.2g} µm at n = 4; compare that "
+        "with what your process holds.",
     )
     return Verdict("FAIL" if problems else "PASS", (*problems, *said), census)
 
