@@ -39,6 +39,7 @@ def rest_document(rest: Rest) -> dict[str, Any]:
         "direction": list(rest.direction),
         "height_mm": rest.height_mm,
         "stiffness_mm": list(rest.stiffness_mm),
+        "stiffness_matrix_mm": [list(row) for row in rest.stiffness_matrix_mm],
         "tilt_deg_per_um": list(rest.tilt_deg_per_um),
         "soft_direction": list(rest.soft_direction),
         "stiff_direction": list(rest.stiff_direction),

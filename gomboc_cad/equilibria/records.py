@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+
 from gomboc_cad.body.mass import MassProperties
 
 Kind = Literal["stable", "unstable", "saddle"]
@@ -70,6 +72,14 @@ class Rest:
     stiff_direction: Vector
     tilt_deg_per_um: tuple[float, float]
     tilt_matrix_deg_per_um: tuple[tuple[float, float], tuple[float, float]]
+
+    @property
+    def stiffness_matrix_mm(self) -> tuple[Vector, Vector, Vector]:
+        """Hessian of the height in the body's frame, as rows: takes a small tilt to its COM error."""
+        axes = zip(self.stiffness_mm, (self.soft_direction, self.stiff_direction), strict=True)
+        matrix = sum((k * np.outer(axis, axis) for k, axis in axes), np.zeros((3, 3)))
+        first, second, third = ((float(x), float(y), float(z)) for x, y, z in matrix)
+        return first, second, third
 
 
 @dataclass(frozen=True)
