@@ -23,6 +23,7 @@ from gomboc_cad.products.mounting import (
 )
 from gomboc_cad.products.placement import RestFrame, boss_radius_from_axis_mm, cavity_floor_mm
 from gomboc_cad.solid.hollow import Cylinder, HollowBody
+from gomboc_cad.solid.offset import InsetSurface
 
 Place = tuple[float, float]
 
@@ -74,7 +75,8 @@ def lay_out(spec: ImuHousingSpec, body: Body, board: Board, insert: Insert, scre
         GeometryError: If something does not fit.
     """
     check_fasteners(spec, board, insert, screw)
-    _check_wall(spec, body)
+    # Refuses a wall at which the cavity would fold, before anything is placed in it.
+    InsetSurface(body, spec.shell.wall_mm)
     frame = RestFrame.from_rest(_down(body))
     offset = spec.board.offset_mm
     corner = (offset[0] - 0.5 * board.length_mm, offset[1] - 0.5 * board.width_mm)
@@ -97,16 +99,6 @@ def lay_out(spec: ImuHousingSpec, body: Body, board: Board, insert: Insert, scre
         holes=_holes(spec, frame, holes, seat, pins, seam, insert),
     )
     return HousingLayout(frame, hollow, seat, seam, corner, holes, pins)
-
-
-def _check_wall(spec: ImuHousingSpec, body: Body) -> None:
-    limit = convexity(body).min_radius_of_curvature_mm
-    if spec.shell.wall_mm >= limit:
-        raise GeometryError(
-            f"shell.wall_mm = {spec.shell.wall_mm:g} is thicker than the smallest inner radius allows: the "
-            f"outer surface of {body.name!r} has a radius of curvature of {limit:.4g} mm at its sharpest "
-            "place; make the wall thinner or the diameter larger."
-        )
 
 
 def _down(body: Body) -> Vector:

@@ -33,7 +33,10 @@ def from_cadquery(workplane: cadquery.Workplane) -> Solid:
     Raises:
         GeometryError: If there is not exactly one.
     """
-    solids = [solid for shape in workplane.vals() for solid in shape.Solids()]
+    import cadquery
+
+    shapes = [value for value in workplane.vals() if isinstance(value, cadquery.Shape)]
+    solids = [solid for shape in shapes for solid in shape.Solids()]
     if len(solids) != 1:
         raise GeometryError(
             f"The workplane holds {len(solids)} solids where one is needed; combine or select them."

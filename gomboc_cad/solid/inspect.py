@@ -217,6 +217,11 @@ def _inspect_mesh(
             gap = mesh_distance(mesh, manifold, expected.boundary, expected.distance_um)
             distance_um = max(gap.from_mesh_um, gap.to_mesh_um)
             problems += _distance_problems(name, distance_um, expected.distance_um)
+            if not 1e-3 * gap.corners_um <= MASS_TOLERANCE * reach_mm:
+                problems.append(
+                    f"{name} is displaced or of another size: its vertices lie {gap.corners_um:.2g} µm off "
+                    "the model's surface, on which they should lie."
+                )
             problems += _corrected_mass_problems(mass, gap, expected, reach_mm)
     return PartInspection(name, True, mass.volume_mm3, mass.com_mm, distance_um, facets), problems
 
@@ -265,5 +270,5 @@ def _distance_problems(name: str, distance_um: float, promised_um: float) -> lis
     if distance_um <= promised_um:
         return []
     return [
-        f"{name} is {distance_um:.4g} µm away from the model's surface; {promised_um:.4g} µm are promised."
+        f"{name} is {distance_um:.3g} µm away from the model's surface; {promised_um:.3g} µm are promised."
     ]

@@ -122,5 +122,7 @@ def largest_in_facets(at_corners: Array, edge_sags: Array) -> Array:
     x, y = (2.0 * s23 * f1 + mixed * f2) / det, (2.0 * s31 * f2 + mixed * f1) / det
     inside = (x > 0.0) & (y > 0.0) & (x + y < 1.0)
     crest = c3 + 2.0 * (f1 * x + f2 * y)
-    result: Array = np.maximum(np.maximum(largest, np.abs(at_corners).max(axis=1)), np.where(inside, np.abs(crest), 0.0))
+    result: Array = np.maximum(
+        np.maximum(largest, np.abs(at_corners).max(axis=1)), np.where(inside, np.abs(crest), 0.0)
+    )
     return result

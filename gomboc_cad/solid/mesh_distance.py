@@ -23,8 +23,10 @@ class MeshDistance:
 
     Attributes:
         from_mesh_um: Largest distance of a facet from the boundary.
-        to_mesh_um: Largest distance of the boundary's doubly curved surfaces from the mesh; infinite where no
-            facet is near.
+        to_mesh_um: Largest distance of the boundary's doubly curved surfaces from the mesh; infinite where
+            no facet is near.
+        corners_um: Median over the facets of their corners' mean distance; next to nothing where the
+            vertices lie on the surfaces, however large the sag.
         missing_mm3: Volume between the facets and the boundary, positive where the mesh is too small.
         missing_moment_mm4: First moment of that volume, shape (3,).
         moved_mm3: The same volume without regard to its sign.
@@ -33,6 +35,7 @@ class MeshDistance:
 
     from_mesh_um: float
     to_mesh_um: float
+    corners_um: float
     missing_mm3: float
     missing_moment_mm4: Array
     moved_mm3: float
@@ -51,17 +54,18 @@ def mesh_distance(mesh: Mesh, manifold: Manifold, boundary: Boundary, promised_u
         boundary: What it stands for.
         promised_um: The distance it promises to keep.
     """
-    signed = _facet_distances(mesh, boundary, 1e-3 * promised_um)
+    largest, mean, at_corners = _facet_distances(mesh, boundary, 1e-3 * promised_um)
     corners = mesh.vertices_mm[mesh.faces]
     area = 0.5 * np.linalg.norm(
         np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
     )
     centers = corners.mean(axis=1)
-    missing = -area * signed[:, 1]
+    missing = -area * mean
     middle = 0.5 * (mesh.vertices_mm.min(axis=0) + mesh.vertices_mm.max(axis=0))
     return MeshDistance(
-        from_mesh_um=1e3 * float(signed[:, 0].max()),
+        from_mesh_um=1e3 * float(largest.max()),
         to_mesh_um=_to_mesh_um(manifold, boundary, promised_um),
+        corners_um=1e3 * float(np.median(at_corners)),
         missing_mm3=float(missing.sum()),
         missing_moment_mm4=missing @ centers,
         moved_mm3=float(np.abs(missing).sum()),
@@ -69,28 +73,28 @@ def mesh_distance(mesh: Mesh, manifold: Manifold, boundary: Boundary, promised_u
     )
 
 
-def _facet_distances(mesh: Mesh, boundary: Boundary, near_mm: float) -> Array:
-    """Largest distance and mean signed distance (positive outside the part) of each facet, shape (m, 2).
+def _facet_distances(mesh: Mesh, boundary: Boundary, near_mm: float) -> tuple[Array, Array, Array]:
+    """Largest distance, mean signed distance (positive outside) and corners' mean distance of each facet.
 
     The surfaces are tried in turn, the cheap ones first, on the facets that none before has explained.
     """
     edges, edges_of_face = mesh.edges()
     middles = 0.5 * (mesh.vertices_mm[edges[:, 0]] + mesh.vertices_mm[edges[:, 1]])
-    result = np.zeros((len(mesh.faces), 2))
-    result[:, 0] = np.inf
+    largest, mean, mean_at_corners = np.full(len(mesh.faces), np.inf), *np.zeros((2, len(mesh.faces)))
     for surface in boundary.surfaces():
-        left = np.flatnonzero(result[:, 0] > near_mm)
+        left = np.flatnonzero(largest > near_mm)
         at_vertices = _at_used(surface.distance_mm, mesh.vertices_mm, mesh.faces[left])
         on = left[(np.abs(at_vertices) <= near_mm)[mesh.faces[left]].all(axis=1)]
         corners = at_vertices[mesh.faces[on]]
         sags = _at_used(surface.distance_mm, middles, edges_of_face[on])[edges_of_face[on]]
         sags -= 0.5 * (corners + np.roll(corners, -1, axis=1))
-        result[on, 0] = largest_in_facets(corners, sags)
+        largest[on] = largest_in_facets(corners, sags)
         # The mean of a quadratic over a facet.
-        result[on, 1] = surface.outward * (corners.mean(axis=1) + sags.sum(axis=1) / 3.0)
-    stray = np.flatnonzero(np.isinf(result[:, 0]))
-    result[stray, 0] = _worst_corner_mm(mesh.vertices_mm[mesh.faces[stray]], boundary)
-    return result
+        mean[on] = surface.outward * (corners.mean(axis=1) + sags.sum(axis=1) / 3.0)
+        mean_at_corners[on] = np.abs(corners).mean(axis=1)
+    stray = np.flatnonzero(np.isinf(largest))
+    largest[stray] = _worst_corner_mm(mesh.vertices_mm[mesh.faces[stray]], boundary)
+    return largest, mean, mean_at_corners
 
 
 def _worst_corner_mm(corners_mm: Array, boundary: Boundary) -> Array:

@@ -14,7 +14,8 @@ import numpy as np
 
 from gomboc_cad.body import Body
 from gomboc_cad.body.mass import sphere_quadrature
-from gomboc_cad.body.sphere import Array, geodesic_triangulation, unit
+from gomboc_cad.body.sphere import Array, unit
+from gomboc_cad.equilibria import convexity
 from gomboc_cad.errors import GeometryError
 from gomboc_cad.solid.mass import SolidMass
 
@@ -50,7 +51,10 @@ class InsetSurface:
                 f"The wall must be a positive length and the shift three lengths in mm, not "
                 f"{self.inset_mm!r} and {self.shift_mm!r}."
             )
-        if self.inset_mm > 0.0 and self.inset_mm >= (limit := smallest_radius_mm(self.body)):
+        if self.inset_mm == 0.0:
+            return
+        limit = convexity(self.body).min_radius_of_curvature_mm
+        if self.inset_mm >= limit:
             raise GeometryError(
                 f"The wall of {self.inset_mm:g} mm is thicker than the smallest inner radius allows: the "
                 f"outer surface of {self.body.name!r} bends with a radius of {limit:.4g} mm at its sharpest "
@@ -113,23 +117,6 @@ class InsetSurface:
         `det(I − d S) dA`; volume and moments follow from the divergence theorem.
         """
         return _inset_mass(self)
-
-
-@lru_cache(maxsize=64)
-def smallest_radius_mm(body: Body) -> float:
-    """Smallest principal radius of curvature of a body's surface."""
-    grid = geodesic_triangulation(5)[0]
-    best = grid[int(np.argmax(body.surface(grid).principal_curvatures_per_mm()[:, 0]))]
-    reach = 0.05
-    disc = np.stack(np.meshgrid(*[np.linspace(-1.0, 1.0, 9)] * 2), axis=-1).reshape(-1, 2)
-    curvature = 0.0
-    for _ in range(24):
-        first, second = np.linalg.svd(best[None])[2][1:]
-        around = unit(best + reach * (disc @ np.stack([first, second])))
-        values = body.surface(around).principal_curvatures_per_mm()[:, 0]
-        best, curvature = around[int(np.argmax(values))], max(curvature, float(values.max()))
-        reach *= 0.6
-    return 1.0 / curvature
 
 
 @lru_cache(maxsize=64)

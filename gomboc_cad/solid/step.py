@@ -35,7 +35,7 @@ from gomboc_cad.errors import InspectionError, OutputError
 Color = tuple[float, float, float]
 
 _MM_IN_M = 1e-3
-_NOT_TEXT = re.compile(rb"[^\t\n\r -~]")
+_NOT_TEXT = re.compile(rb"[\x00-\x08\x0b\x0c\x0e-\x1f]")
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,8 @@ def read_step(path: Path) -> tuple[NamedSolid, ...]:
 
 def _check_text(name: str, data: bytes) -> None:
     """Refuse what is not a whole STEP file."""
-    if not data.startswith(b"ISO-10303-21;") or not data.rstrip().endswith(b"END-ISO-10303-21;"):
+    text = data.strip()
+    if not text.startswith(b"ISO-10303-21;") or not text.endswith(b"END-ISO-10303-21;"):
         raise InspectionError(f"{name} is not a whole STEP file: its first or last line is missing.")
     if _NOT_TEXT.search(data):
         raise InspectionError(f"{name} is damaged: it holds bytes that are no text.")
@@ -182,7 +183,7 @@ def _own_geometry(solid: Shape) -> Shape:
 
 
 def _set_name(label: TDF_Label, name: str) -> None:
-    TDataStd_Name.Set_s(label, TCollection_ExtendedString(name))
+    TDataStd_Name.Set_s(label, TCollection_ExtendedString(name, True))
 
 
 def _ascii(text: str) -> TCollection_HAsciiString:
