@@ -10,10 +10,12 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import pytest
 
+from gomboc_cad.cli import main
 from gomboc_cad.resources import template_folder
 from tests.conftest import BuiltHousing
 
@@ -289,3 +291,23 @@ def test_markup_in_a_name_stays_text(tmp_path: Path) -> None:
 def test_help_and_version() -> None:
     assert "census" in run("--help").stdout
     assert run("--version").stdout.startswith("gomboc-cad 0.")
+
+
+def test_an_audit_without_its_program_is_refused_before_the_work(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """None in sys.modules is how Python says that a module cannot be imported."""
+    monkeypatch.setitem(sys.modules, "pymeshlab", None)
+    monkeypatch.setattr(
+        sys, "argv", ["gomboc-cad", "build", "imu-housing", "-o", str(tmp_path / "out"), "--audit"]
+    )
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 2
+    assert "gomboc-cad[audit]" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_audit_finds_nothing(tmp_path: Path, pymeshlab: ModuleType) -> None:
+    document = json_of("body", "primary", "-o", str(tmp_path / "out"), "--sag-um", "100", "--audit")
+    assert all(file["ok"] for file in document["files"])

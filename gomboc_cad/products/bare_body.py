@@ -12,6 +12,7 @@ from gomboc_cad.documents import file_document, rest_document
 from gomboc_cad.errors import SpecError
 from gomboc_cad.products.imu_housing import Progress
 from gomboc_cad.products.verdict import judge
+from gomboc_cad.solid.audit import require_pymeshlab
 from gomboc_cad.solid.boundary import Boundary
 from gomboc_cad.solid.export import NamedMesh, write_3mf, write_step, write_stl
 from gomboc_cad.solid.inspect import Expected, inspect_file
@@ -59,10 +60,13 @@ def write_body(
         SpecError: If a format is not known or the deviation is not a positive length.
         GeometryError: If the surface cannot be drawn, or the sag is out of range.
         OutputError: If the files cannot be written.
+        GombocError: If an audit is asked for and PyMeshLab is not installed.
     """
     wanted = list(dict.fromkeys(name.strip().lower() for name in formats))
     if not wanted or not set(wanted) <= set(FORMATS):
         raise SpecError(f"--formats {','.join(formats)} is not allowed; choose any of {', '.join(FORMATS)}.")
+    if audit:
+        require_pymeshlab()
     name = file_stem(body)
     with open_output(folder, force) as staging:
         progress("making the solid")

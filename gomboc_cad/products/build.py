@@ -15,6 +15,7 @@ from gomboc_cad.products.body_spec import require_verified
 from gomboc_cad.products.imu_housing import LOWER, UPPER, HousingDesign, Progress, design_imu_housing
 from gomboc_cad.products.spec import load_spec, spec_path
 from gomboc_cad.products.verdict import Sensitivity, Verdict, judge, tilt_from_com_error_deg
+from gomboc_cad.solid.audit import require_pymeshlab
 from gomboc_cad.solid.boundary import Boundary
 from gomboc_cad.solid.export import NamedMesh, write_3mf, write_step, write_stl
 from gomboc_cad.solid.inspect import Expected, FileInspection, inspect_file
@@ -57,7 +58,10 @@ def build_product(
         UnverifiedBodyError: If its body is refuted or not convex.
         GeometryError: If something does not fit.
         OutputError: If the files cannot be written.
+        GombocError: If an audit is asked for and PyMeshLab is not installed.
     """
+    if audit:
+        require_pymeshlab()
     wanted = load_spec(spec)
     body = wanted.body.body()
     if not allow_unverified:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import ModuleType
+
 from gomboc_cad.errors import GombocError
 from gomboc_cad.solid.mesh import Mesh
 
@@ -15,12 +17,7 @@ def audit_mesh(mesh: Mesh) -> list[str]:
     Raises:
         GombocError: If PyMeshLab is not installed.
     """
-    try:
-        import pymeshlab
-    except ImportError as error:
-        raise GombocError(
-            "The audit needs PyMeshLab; install it with: pip install 'gomboc-cad[audit]'."
-        ) from error
+    pymeshlab = require_pymeshlab()
     meshes = pymeshlab.MeshSet(verbose=False)
     meshes.add_mesh(pymeshlab.Mesh(mesh.vertices_mm, mesh.faces))
     measures = meshes.get_topological_measures()
@@ -32,3 +29,18 @@ def audit_mesh(mesh: Mesh) -> list[str]:
         "self-intersecting facets": meshes.current_mesh().selected_face_number(),
     }
     return [f"has {count} {what}" for what, count in counts.items() if count]
+
+
+def require_pymeshlab() -> ModuleType:
+    """Import PyMeshLab.
+
+    Raises:
+        GombocError: If it is not installed.
+    """
+    try:
+        import pymeshlab
+    except ImportError as error:
+        raise GombocError(
+            "The audit needs PyMeshLab; install it with: pip install 'gomboc-cad[audit]'."
+        ) from error
+    return pymeshlab
