@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from bd_warehouse.fastener import HeatSetNut, PanHeadScrew
-from build123d import Cylinder, Solid
+from build123d import Cylinder, Shape, Solid
 
 from gomboc_cad.errors import SpecError
 from gomboc_cad.products.imu_housing_spec import ClosureSpec, StandoffSpec
@@ -58,17 +58,8 @@ def heat_set_insert(spec: StandoffSpec) -> Insert:
     Raises:
         SpecError: If the maker or the size is not in the tables.
     """
-    if spec.insert_maker not in HeatSetNut.types():
-        makers = ", ".join(sorted(HeatSetNut.types()))
-        raise SpecError(
-            f"standoffs.insert_maker = {spec.insert_maker!r} is not known; choose one of {makers}."
-        )
-    sizes = HeatSetNut.sizes(spec.insert_maker)
-    if spec.insert not in sizes:
-        raise SpecError(
-            f"standoffs.insert = {spec.insert!r} is not made by {spec.insert_maker}; choose one of "
-            f"{', '.join(sizes)}."
-        )
+    _check_known("insert_maker", spec.insert_maker, HeatSetNut.types())
+    _check_known("insert", spec.insert, HeatSetNut.sizes(spec.insert_maker), f"made by {spec.insert_maker}")
     nut = HeatSetNut(spec.insert, spec.insert_maker, simple=True)
     data = nut.nut_data
     length = float(data["m"])
@@ -87,17 +78,8 @@ def pan_head_screw(spec: StandoffSpec) -> Screw:
     Raises:
         SpecError: If the standard, the thread or the length is not in the tables.
     """
-    if spec.screw_standard not in PanHeadScrew.types():
-        types = ", ".join(sorted(PanHeadScrew.types()))
-        raise SpecError(
-            f"standoffs.screw_standard = {spec.screw_standard!r} is not known; choose one of {types}."
-        )
-    sizes = PanHeadScrew.sizes(spec.screw_standard)
-    if spec.screw not in sizes:
-        raise SpecError(
-            f"standoffs.screw = {spec.screw!r} is not in {spec.screw_standard}; choose one of "
-            f"{', '.join(sizes)}."
-        )
+    _check_known("screw_standard", spec.screw_standard, PanHeadScrew.types())
+    _check_known("screw", spec.screw, PanHeadScrew.sizes(spec.screw_standard), f"in {spec.screw_standard}")
     screw = PanHeadScrew(spec.screw, spec.screw_length_mm, spec.screw_standard, simple=True)
     lengths = screw.nominal_lengths
     if spec.screw_length_mm not in lengths:
@@ -121,14 +103,16 @@ def dowel_pin(spec: ClosureSpec) -> Solid:
     return Cylinder(0.5 * spec.diameter_mm, spec.length_mm).solid()
 
 
-def dowel_volume_mm3(spec: ClosureSpec) -> float:
-    """Volume of a pin."""
-    return math.pi * (0.5 * spec.diameter_mm) ** 2 * spec.length_mm
+def _check_known(key: str, value: str, known: Iterable[str], where: str = "known") -> None:
+    """Refuse a name that bd_warehouse's tables do not have."""
+    names = sorted(known)
+    if value not in names:
+        raise SpecError(f"standoffs.{key} = {value!r} is not {where}; choose one of {', '.join(names)}.")
 
 
-def _solid(part: object) -> Solid:
+def _solid(part: Shape) -> Solid:
     """The single solid of a bd_warehouse part."""
-    solids = part.solids()  # type: ignore[attr-defined]
+    solids = part.solids()
     if len(solids) != 1:
         raise SpecError("The fastener is not a single solid; choose another size.")
     return solids[0]

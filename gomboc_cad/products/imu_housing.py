@@ -8,7 +8,7 @@ places it; the finished solids are then measured.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -246,19 +246,8 @@ def _bought(
 
 def _moved(part: Part, shift: Array) -> Part:
     """The same part, moved."""
-    com = _tuple(np.add(part.com_mm, shift))
-    solid = part.solid.moved(Location(tuple(shift)))
-    return Part(
-        part.name,
-        part.material,
-        part.mass_g,
-        com,
-        part.volume_mm3,
-        solid,
-        part.made,
-        part.standard,
-        part.color,
-    )
+    moved = part.solid.moved(Location(tuple(shift)))
+    return replace(part, com_mm=_tuple(np.add(part.com_mm, shift)), solid=moved)
 
 
 def _tuple(array: Array) -> Vector:
