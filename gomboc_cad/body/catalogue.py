@@ -97,7 +97,9 @@ def named_body(name: str, diameter_mm: float = 2.0 * DEFAULT_RADIUS_MM) -> Body:
     bodies = catalog()
     if name not in bodies:
         near = difflib.get_close_matches(name, bodies, n=2) or list(bodies)
-        raise BodyError(f"There is no body named {name!r} in the catalogue; did you mean {' or '.join(near)}?")
+        raise BodyError(
+            f"There is no body named {name!r} in the catalogue; did you mean {' or '.join(near)}?"
+        )
     return bodies[name].with_diameter(diameter_mm)
 
 
@@ -140,7 +142,9 @@ def _make_shape(family: str, beta: float | None, coefficients: dict[str, float])
         raise BodyError(f"The family {family!r} needs beta, for example 0.02.")
     if family == "extended":
         if not coefficients:
-            raise BodyError("The extended family needs at least one coefficient k = a; without any it is sloan2.")
+            raise BodyError(
+                "The extended family needs at least one coefficient k = a; without any it is sloan2."
+            )
         return FourierSloan(beta, tuple((k, a) for (k,), a in _keyed(coefficients, 1)))
     if coefficients:
         raise BodyError(f"The family {family!r} takes no coefficients; use the extended family.")

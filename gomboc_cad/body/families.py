@@ -21,6 +21,9 @@ from gomboc_cad.errors import BodyError
 
 ComplexArray = NDArray[np.complex128]
 
+MAX_WINDING = 1000.0
+"""Largest k |a_k| of a Fourier term; bodies of use have about one."""
+
 MAX_HARMONIC_DEGREE = 40
 """Largest harmonic degree accepted; the first cells of the searches are too wide for finer undulations."""
 
@@ -44,7 +47,9 @@ class ShapeFunction(Protocol):
         """Evaluate an ambient extension at unit vectors, shape (n, 3)."""
 
 
-def _azimuthal_jet(directions: Array, order: int, w: ComplexArray, dw: ComplexArray, ddw: ComplexArray) -> AmbientJet:
+def _azimuthal_jet(
+    directions: Array, order: int, w: ComplexArray, dw: ComplexArray, ddw: ComplexArray
+) -> AmbientJet:
     """Evaluate `Re[(x − i y)^m w(z)]` and its derivatives, m = `order`."""
     x, y, _ = directions.T
     zeta = x - 1j * y
@@ -67,7 +72,9 @@ def _azimuthal_jet(directions: Array, order: int, w: ComplexArray, dw: ComplexAr
 
 def _check_beta(beta: float) -> None:
     if not (math.isfinite(beta) and 0.0 <= beta < 0.25):
-        raise BodyError(f"beta = {beta!r} is outside 0 ≤ beta < 0.25, where the radius stays real and positive.")
+        raise BodyError(
+            f"beta = {beta!r} is outside 0 ≤ beta < 0.25, where the radius stays real and positive."
+        )
 
 
 @dataclass(frozen=True)
@@ -140,8 +147,11 @@ class FourierSloan:
         if len(set(orders)) != len(orders):
             raise BodyError("Each Fourier order k may be given once only.")
         for k, a in self.terms:
-            if k < 1 or not math.isfinite(a):
-                raise BodyError(f"Fourier term k = {k!r}, a = {a!r} needs an order k ≥ 1 and a finite a.")
+            if not isinstance(k, int) or k < 1 or not k * abs(a) <= MAX_WINDING:
+                raise BodyError(
+                    f"Fourier term k = {k!r}, a = {a!r} needs an integer order k ≥ 1 and a finite a with "
+                    f"k |a| ≤ {MAX_WINDING:g}."
+                )
 
     @property
     def family(self) -> str:
@@ -187,8 +197,8 @@ class Harmonic:
         for (degree, order), c in self.terms:
             if not 2 <= degree <= MAX_HARMONIC_DEGREE or abs(order) > degree or not math.isfinite(c):
                 raise BodyError(
-                    f"Harmonic term l = {degree}, m = {order}, c = {c!r} needs 2 ≤ l ≤ {MAX_HARMONIC_DEGREE}, "
-                    "|m| ≤ l and a finite c."
+                    f"Harmonic term l = {degree}, m = {order}, c = {c!r} needs "
+                    f"2 ≤ l ≤ {MAX_HARMONIC_DEGREE}, |m| ≤ l and a finite c."
                 )
 
     @property

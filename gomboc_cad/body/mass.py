@@ -46,7 +46,8 @@ def sphere_quadrature(order: int) -> tuple[Array, Array]:
     phi = np.pi * (np.arange(2 * order) + 0.5) / order
     sine, cosine = np.sin(theta), np.cos(theta)
     grid = np.stack(
-        [np.outer(sine, np.cos(phi)), np.outer(sine, np.sin(phi)), np.outer(cosine, np.ones_like(phi))], axis=-1
+        [np.outer(sine, np.cos(phi)), np.outer(sine, np.sin(phi)), np.outer(cosine, np.ones_like(phi))],
+        axis=-1,
     )
     weights = np.outer(0.5 * np.pi * gauss * sine, np.full(2 * order, np.pi / order))
     return grid.reshape(-1, 3), weights.ravel()
@@ -69,7 +70,9 @@ def mass_properties(body: Body) -> MassProperties:
         if np.all(np.abs(current - previous) <= RELATIVE_TOLERANCE * current[0]):
             return _from_moments(current, body.radius_mm)
         previous = current
-    raise BodyError(f"The mass integrals of {body.name!r} do not converge; use lower orders or smaller coefficients.")
+    raise BodyError(
+        f"The mass integrals of {body.name!r} do not converge; use lower orders or smaller coefficients."
+    )
 
 
 def _moments(body: Body, order: int) -> Array:

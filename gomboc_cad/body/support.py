@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
-from gomboc_cad.body.sphere import Array, geodesic_triangulation, unit
+from gomboc_cad.body.sphere import Array, BoolArray, IntArray, geodesic_triangulation, unit
 from gomboc_cad.body.surface import Body, SurfacePoints
 from gomboc_cad.errors import NotConvexError
 
 _NEWTON_STEPS = 60
 _START_LEVEL = 4
+_STARTS = 4
+_APART = 0.1
+"""Angle in radians between vertices that count as different places."""
+
+_GRID_LOSS = 5e-3
+"""How much lower than its peak the nearest vertex may be, in units of R₀."""
+
 _CHUNK = 2048
 
 
@@ -42,27 +50,50 @@ def support_about(points: SurfacePoints, center_mm: Array) -> tuple[Array, Array
     arm = points.position_mm - center_mm
     height = np.einsum("nx,nx->n", arm, points.normal)
     gradient = np.einsum("nax,nx->na", points.tangents, arm)
-    hessian = np.linalg.inv(points.shape_operator_per_mm)
-    hessian[:, [0, 1], [0, 1]] -= height[:, None]
+    hessian: Array = np.linalg.inv(points.shape_operator_per_mm) - height[:, None, None] * np.eye(2)
     return height, gradient, hessian
 
 
 def touching_directions(body: Body, normals: Array) -> Array:
     """Find the surface parameter u at which the plane with each outward normal touches the body.
 
-    The global maximum of `x(u)·n` is sought from the best of 2,562 surface points by a safeguarded
-    Newton ascent, so the result is the support point of the convex hull too.
+    The global maximum of `x(u)·n` is sought by a safeguarded Newton ascent from the best of 2,562
+    surface points and from up to three others, apart from it and nearly as high, so the result is the
+    support point of the convex hull too: over a dent two places far apart compete.
 
     Args:
         body: The body.
         normals: Unit vectors, shape (n, 3).
     """
-    start = geodesic_triangulation(_START_LEVEL)[0]
-    cloud = body.position_mm(start)
-    best = np.concatenate(
-        [np.argmax(normals[i : i + _CHUNK] @ cloud.T, axis=1) for i in range(0, len(normals), _CHUNK)]
+    vertices = geodesic_triangulation(_START_LEVEL)[0]
+    cloud = body.position_mm(vertices)
+    near = vertices @ vertices.T > np.cos(_APART)
+    starts = np.concatenate(
+        [_highest(normals[i : i + _CHUNK] @ cloud.T, near, body) for i in range(0, len(normals), _CHUNK)]
     )
-    return _climb(body, start[best], normals)
+    u = _climb(body, vertices[starts[:, 0]], normals)
+    height = np.einsum("nx,nx->n", body.position_mm(u), normals)
+    for column in starts.T[1:]:
+        rows = np.flatnonzero(column >= 0)
+        rival = _climb(body, vertices[column[rows]], normals[rows])
+        rival_height = np.einsum("nx,nx->n", body.position_mm(rival), normals[rows])
+        better = rival_height > height[rows]
+        u[rows[better]], height[rows[better]] = rival[better], rival_height[better]
+    return u
+
+
+def _highest(heights: Array, near: BoolArray, body: Body) -> IntArray:
+    """Pick the highest vertex of each row and then the highest apart from those; −1 where too low."""
+    picks = np.empty((len(heights), _STARTS), dtype=np.int64)
+    rows = np.arange(len(heights))
+    for k in range(_STARTS):
+        picks[:, k] = heights.argmax(axis=1)
+        value = heights[rows, picks[:, k]]
+        if k == 0:
+            floor = value - _GRID_LOSS * body.radius_mm
+        picks[value < floor, k] = -1
+        heights[near[picks[:, k]]] = -np.inf
+    return picks
 
 
 def _climb(body: Body, directions: Array, normals: Array) -> Array:
@@ -134,14 +165,19 @@ def depth_mm(body: Body, points_mm: Array) -> Array:
         points_mm: Shape (n, 3).
     """
     points_mm = np.atleast_2d(np.asarray(points_mm, dtype=float))
-    start = geodesic_triangulation(_START_LEVEL + 1)[0]
-    surface = body.surface(start)
+    surface = _dense_surface(body)
     result = np.empty(len(points_mm))
     for index, point in enumerate(points_mm):
         gaps = np.einsum("nx,nx->n", surface.position_mm - point, surface.normal)
         nearest = np.argsort(gaps)[:8]
-        result[index] = _descend_gap(body, start[nearest], point).min()
+        result[index] = _descend_gap(body, surface.directions[nearest], point).min()
     return result
+
+
+@lru_cache(maxsize=4)
+def _dense_surface(body: Body) -> SurfacePoints:
+    """Surface points to start from; kept, because a study asks about one body thousands of times."""
+    return body.surface(geodesic_triangulation(_START_LEVEL + 1)[0])
 
 
 def _descend_gap(body: Body, directions: Array, point_mm: Array) -> Array:

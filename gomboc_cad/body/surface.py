@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -13,6 +12,9 @@ from gomboc_cad.body.sphere import Array, geodesic_triangulation, tangent_frame,
 from gomboc_cad.errors import BodyError
 
 DEFAULT_RADIUS_MM = 50.0
+_SMALLEST_RADIUS_MM = 1e-9
+_LARGEST_RADIUS_MM = 1e9
+_CHECK_LEVEL = 3
 
 
 class RadialJet(NamedTuple):
@@ -60,7 +62,8 @@ class SurfacePoints:
     def principal_directions(self) -> Array:
         """Unit principal directions of κ₁ and κ₂ as rows, shape (n, 2, 3)."""
         _, vectors = np.linalg.eigh(self.shape_operator_per_mm)
-        return np.einsum("nai,nax->nix", vectors[:, :, ::-1], self.tangents)
+        result: Array = np.einsum("nai,nax->nix", vectors[:, :, ::-1], self.tangents)
+        return result
 
 
 @dataclass(frozen=True)
@@ -73,7 +76,7 @@ class Body:
         radius_mm: Nominal radius R₀, the unit of the parametrisation.
 
     Raises:
-        BodyError: If R₀ is not a positive finite length or if 1 + 4 f is not positive everywhere.
+        BodyError: If R₀ is not a sensible positive length or if 1 + 4 f is not positive.
     """
 
     name: str
@@ -82,11 +85,22 @@ class Body:
 
     def __post_init__(self) -> None:
         """Check the size and that the radius is real all over the sphere."""
-        if not (math.isfinite(self.radius_mm) and self.radius_mm > 0.0):
-            raise BodyError(f"The nominal radius must be a positive length in mm, not {self.radius_mm!r}.")
-        lowest = float(self.shape.ambient_jet(geodesic_triangulation(3)[0]).value.min())
-        if not 1.0 + 4.0 * lowest > 0.0:
-            raise BodyError(f"The coefficients of {self.name!r} are too large: the radius is not real everywhere.")
+        if not _SMALLEST_RADIUS_MM <= self.radius_mm <= _LARGEST_RADIUS_MM:
+            raise BodyError(
+                f"The nominal radius must be between {_SMALLEST_RADIUS_MM:g} and {_LARGEST_RADIUS_MM:g} mm, "
+                f"not {self.radius_mm!r}."
+            )
+        self._fourth_power(self.shape.ambient_jet(geodesic_triangulation(_CHECK_LEVEL)[0]).value)
+
+    def _fourth_power(self, value: Array) -> Array:
+        """Form `1 + 4 f`, which the coarse check at the start cannot see everywhere."""
+        result: Array = 1.0 + 4.0 * value
+        if not np.all(result > 0.0):
+            raise BodyError(
+                f"The coefficients of {self.name!r} are too large: the radius is not real and positive "
+                "everywhere."
+            )
+        return result
 
     @property
     def diameter_mm(self) -> float:
@@ -100,7 +114,7 @@ class Body:
     def radius_at(self, directions: Array) -> Array:
         """Radius r(u) in mm at unit vectors (n, 3)."""
         value = self.shape.ambient_jet(directions).value
-        result: Array = self.radius_mm * np.sqrt(np.sqrt(1.0 + 4.0 * value))
+        result: Array = self.radius_mm * np.sqrt(np.sqrt(self._fourth_power(value)))
         return result
 
     def position_mm(self, directions: Array) -> Array:
@@ -115,7 +129,7 @@ class Body:
         radial = np.einsum("nx,nx->n", directions, jet.gradient)
         bend = frame @ jet.hessian @ frame.transpose(0, 2, 1)
         bend[:, [0, 1], [0, 1]] -= radial[:, None]
-        s = 1.0 + 4.0 * jet.value
+        s = self._fourth_power(jet.value)
         r = self.radius_mm * s**0.25
         gradient = (r / s)[:, None] * slope
         outer = slope[:, :, None] * slope[:, None, :]
@@ -133,11 +147,10 @@ class Body:
         norm = np.sqrt(r * r + np.einsum("na,na->n", v, v))
         eye = np.eye(2)
         outer = v[:, :, None] * v[:, None, :]
-        second = ((r * r)[:, None, None] * eye + 2.0 * outer - r[:, None, None] * hessian) / norm[:, None, None]
-        root = eye / r[:, None, None] - outer / (r * norm * (norm + r))[:, None, None]
-        tangents = (
-            r[:, None, None] * (root @ frame) + (v / norm[:, None])[:, :, None] * directions[:, None, :]
-        )
+        radius = r[:, None, None]
+        second = (radius**2 * eye + 2.0 * outer - radius * hessian) / norm[:, None, None]
+        root = eye / radius - outer / (r * norm * (norm + r))[:, None, None]
+        tangents = radius * (root @ frame) + (v / norm[:, None])[:, :, None] * directions[:, None, :]
         gradient = np.einsum("na,nax->nx", v, frame)
         normal = (r[:, None] * directions - gradient) / norm[:, None]
         return SurfacePoints(directions, r[:, None] * directions, normal, tangents, root @ second @ root)

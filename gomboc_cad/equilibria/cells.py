@@ -8,11 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from numpy.typing import NDArray
-
-from gomboc_cad.body.sphere import Array, IntArray, geodesic_triangulation, subdivide, tangent_frame, unit
-
-BoolArray = NDArray[np.bool_]
+from gomboc_cad.body.sphere import Array, BoolArray, IntArray, geodesic_triangulation, subdivide, unit
 
 CORNER_SAFETY = 2.5
 """How many times the largest centre-to-corner change a function is allowed to fall inside a cell.
@@ -21,7 +17,8 @@ For a function that is nearly linear in the cell, some corner lies within 60° o
 the factor 2 already covers the whole circumscribed disc.
 """
 
-_MAX_CELLS = 400_000
+_MAX_CELLS = 200_000
+_MAX_EVALUATIONS = 1_000_000
 _SMALLEST_RADIUS = 1e-7
 
 
@@ -79,6 +76,7 @@ def minimise_on_sphere(
     function: Callable[[Array], Array],
     tolerance: float,
     *,
+    relative: float = 0.0,
     upper_bound: float = np.inf,
     start_level: int = 4,
     keep: int = 64,
@@ -86,12 +84,13 @@ def minimise_on_sphere(
     """Branch and bound over triangular cells.
 
     A cell is dropped when its centre value less `CORNER_SAFETY` times the largest change to a corner
-    is above the best value less `tolerance`. The slopes are sampled, not bounded, so this is a
-    thorough search and no proof.
+    is above the best value less the tolerance. The slopes are sampled, not bounded, and the number of
+    evaluations is limited, so this is a thorough search and no proof.
 
     Args:
         function: Values at unit vectors (n, 3), shape (n,).
         tolerance: Absolute gap at which the search stops.
+        relative: Gap in units of the best value; the wider of the two counts.
         upper_bound: A value that the function is known to reach somewhere.
         start_level: Subdivision level of the first cells.
         keep: How many candidates to return.
@@ -99,6 +98,7 @@ def minimise_on_sphere(
     cells = Cells.covering_sphere(start_level)
     corner_values = function(cells.vertices)
     best_points, best_values = cells.vertices, corner_values
+    evaluations = 0
     while True:
         centers = cells.centers()
         values = function(centers)
@@ -107,9 +107,11 @@ def minimise_on_sphere(
         )
         at_corners = corner_values[cells.triangles]
         bound = values - CORNER_SAFETY * np.abs(at_corners - values[:, None]).max(axis=1)
-        target = min(best_values[0], upper_bound) - tolerance
+        best = min(float(best_values[0]), upper_bound)
+        target = best - max(tolerance, relative * abs(best))
         open_cells = (bound < target) & (cells.radii() > _SMALLEST_RADIUS)
-        if not open_cells.any():
+        evaluations += len(centers)
+        if not open_cells.any() or evaluations + len(cells.vertices) > _MAX_EVALUATIONS:
             return SphereMinimum(float(best_values[0]), best_points[0], best_points)
         if 4 * int(open_cells.sum()) > _MAX_CELLS:
             # A plateau: go on with the cells that may still hold the lowest values.
@@ -128,28 +130,3 @@ def _lowest(points: Array, values: Array, count: int) -> tuple[Array, Array]:
     """Keep the points with the lowest values, in rising order."""
     order = np.argsort(values, kind="stable")[:count]
     return points[order], values[order]
-
-
-def polish_minimum(function: Callable[[Array], Array], start: SphereMinimum, step: float = 1e-2) -> SphereMinimum:
-    """Refine a minimum by a shrinking pattern of eight neighbours about every candidate."""
-    u = start.candidates.copy()
-    values = function(u)
-    width = np.full(len(u), step)
-    angles = np.arange(8) * np.pi / 4.0
-    while np.any(width > 1e-9):
-        first, second = tangent_frame(u)
-        ring = (
-            u[:, None]
-            + (width[:, None] * np.cos(angles))[..., None] * first[:, None]
-            + (width[:, None] * np.sin(angles))[..., None] * second[:, None]
-        )
-        trial = unit(ring)
-        trial_values = function(trial.reshape(-1, 3)).reshape(len(u), 8)
-        pick = trial_values.argmin(axis=1)
-        rows = np.arange(len(u))
-        better = trial_values[rows, pick] < values
-        u[better] = trial[rows, pick][better]
-        values[better] = trial_values[rows, pick][better]
-        width[~better] *= 0.5
-    best = int(values.argmin())
-    return SphereMinimum(float(values[best]), u[best], u)

@@ -14,9 +14,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gomboc_cad.body.sphere import Array, unit
+from gomboc_cad.body.sphere import Array, BoolArray, unit
 from gomboc_cad.body.surface import Body
-from gomboc_cad.equilibria.cells import CORNER_SAFETY, BoolArray, Cells
+from gomboc_cad.equilibria.cells import CORNER_SAFETY, Cells
 from gomboc_cad.errors import DegenerateEquilibriaError
 
 _START_LEVEL = 4
@@ -44,7 +44,9 @@ def distance_jet(body: Body, directions: Array, center_mm: Array) -> DistanceJet
     across = jet.frame @ c
     gradient = (r - along)[:, None] * v - r[:, None] * across
     mixed = v[:, :, None] * across[:, None, :]
-    hessian = v[:, :, None] * v[:, None, :] + (r - along)[:, None, None] * bend - mixed - mixed.transpose(0, 2, 1)
+    hessian = (
+        v[:, :, None] * v[:, None, :] + (r - along)[:, None, None] * bend - mixed - mixed.transpose(0, 2, 1)
+    )
     hessian[:, [0, 1], [0, 1]] += (r * along)[:, None]
     return DistanceJet(gradient, hessian, jet.frame)
 
@@ -65,14 +67,16 @@ def critical_directions(body: Body, center_mm: Array) -> Array:
         excluded, regular = _classify(body, cells, corner_hessians, center_mm)
         found = np.concatenate([found, _newton(body, cells.centers()[regular], radii[regular], center_mm)])
         rest = ~(excluded | regular)
-        if not rest.any():
-            return _distinct(found)
-        if visited + 4 * int(rest.sum()) > _MAX_CELLS or radii[rest].min() < _SMALLEST_RADIUS:
+        hopeless = visited + 4 * int(rest.sum()) > _MAX_CELLS or np.any(radii[rest] < _SMALLEST_RADIUS)
+        # On a sphere about its centre rounding may leave nothing at all, though every place is critical.
+        if hopeless or not (rest.any() or len(found)):
             raise DegenerateEquilibriaError(
                 f"The equilibria of {body.name!r} about this centre of mass are not isolated, as on a sphere "
-                "or a body of revolution, so they cannot be counted; move the centre of mass or change the "
-                "shape."
+                "or a body of revolution, or too close together to be counted; move the centre of mass or "
+                "change the shape."
             )
+        if not rest.any():
+            return _distinct(found)
         known = len(cells.vertices)
         cells = cells.subdivided(rest)
         fresh = _hessian_in_space(distance_jet(body, cells.vertices[known:], center_mm))
@@ -81,7 +85,8 @@ def critical_directions(body: Body, center_mm: Array) -> Array:
 
 def _hessian_in_space(jet: DistanceJet) -> Array:
     """The Hessians as forms in space, shape (n, 3, 3), where those of different places compare."""
-    return jet.frame.transpose(0, 2, 1) @ jet.hessian @ jet.frame
+    result: Array = jet.frame.transpose(0, 2, 1) @ jet.hessian @ jet.frame
+    return result
 
 
 def _classify(
@@ -114,7 +119,8 @@ def _newton(body: Body, start: Array, radii: Array, center_mm: Array) -> Array:
         if size.max() < 1e-14:
             break
     near = np.linalg.norm(u - start, axis=1) < 4.0 * radii
-    return u[near & (size < 1e-10)]
+    converged: Array = u[near & (size < 1e-10)]
+    return converged
 
 
 def _distinct(directions: Array) -> Array:

@@ -7,15 +7,17 @@ the larger curvature κ₁ is where a stable rest meets a saddle, the sheet of �
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from gomboc_cad.body.sphere import Array, geodesic_triangulation, unit
 from gomboc_cad.body.surface import Body
 from gomboc_cad.equilibria.cells import minimise_on_sphere
-from gomboc_cad.equilibria.convexity import as_vector
+from gomboc_cad.equilibria.convexity import as_point, as_vector, require_strictly_convex
 from gomboc_cad.equilibria.records import Margin
 
-_RELATIVE_GAP = 0.02
+_RELATIVE_GAP = 0.005
 _START_LEVEL = 4
 _STARTS = 64
 _STEPS = 60
@@ -30,17 +32,23 @@ def focal_points_mm(body: Body, directions: Array, sheet: int) -> Array:
     return result
 
 
-def com_margin(body: Body, com_mm: Array) -> Margin:
+def com_margin(body: Body, com_mm: Sequence[float] | Array) -> Margin:
     """Find how far the COM may move before S, U or either changes, by global search and refinement.
 
     Args:
         body: A strictly convex body.
         com_mm: Centre of mass, shape (3,).
+
+    Raises:
+        NotConvexError: If the body is not strictly convex: its focal surface reaches infinity.
+        CensusError: If the COM is not three finite numbers.
     """
-    s_witness = _nearest_focal_point(body, com_mm, 0)
-    u_witness = _nearest_focal_point(body, com_mm, 1)
-    s_margin = float(np.linalg.norm(s_witness - com_mm))
-    u_margin = float(np.linalg.norm(u_witness - com_mm))
+    center = as_point(com_mm)
+    require_strictly_convex(body)
+    s_witness = _nearest_focal_point(body, center, 0)
+    u_witness = _nearest_focal_point(body, center, 1)
+    s_margin = float(np.linalg.norm(s_witness - center))
+    u_margin = float(np.linalg.norm(u_witness - center))
     return Margin(min(s_margin, u_margin), s_margin, u_margin, as_vector(s_witness), as_vector(u_witness))
 
 
@@ -56,7 +64,8 @@ def _nearest_focal_point(body: Body, com_mm: Array, sheet: int) -> Array:
     best = distance(first).min()
     search = minimise_on_sphere(distance, _RELATIVE_GAP * best, upper_bound=best)
     candidates = np.concatenate([first, search.candidates, _refine(body, search.candidates, com_mm, sheet)])
-    return focal_points_mm(body, candidates, sheet)[distance(candidates).argmin()]
+    nearest: Array = focal_points_mm(body, candidates, sheet)[distance(candidates).argmin()]
+    return nearest
 
 
 def _refine(body: Body, directions: Array, com_mm: Array, sheet: int) -> Array:

@@ -11,14 +11,17 @@ from gomboc_cad.body.mass import mass_properties
 from gomboc_cad.body.sphere import Array
 from gomboc_cad.body.support import depth_mm, support_about
 from gomboc_cad.body.surface import Body
-from gomboc_cad.equilibria.convexity import as_vector, convexity
+from gomboc_cad.equilibria.convexity import as_point, as_vector, require_strictly_convex
 from gomboc_cad.equilibria.critical import critical_directions
 from gomboc_cad.equilibria.margin import com_margin
 from gomboc_cad.equilibria.records import Census, Equilibrium, Kind, Rest
-from gomboc_cad.errors import CensusError, DegenerateEquilibriaError, NotConvexError
+from gomboc_cad.errors import CensusError, DegenerateEquilibriaError
 
 _DEGENERATE_STIFFNESS = 1e-9
 """Below this stiffness, in units of R₀, an equilibrium is not told from a neutral one."""
+
+_FAR = 1e3
+"""No body reaches so far, in units of R₀."""
 
 
 def smooth_census(body: Body, com: Sequence[float] | Array | None = None) -> Census:
@@ -37,16 +40,12 @@ def smooth_census(body: Body, com: Sequence[float] | Array | None = None) -> Cen
         CensusError: If the COM is not a finite point inside the body, or the counts contradict
             Poincaré–Hopf.
     """
-    curvature = convexity(body)
-    if not curvature.strictly_convex:
-        raise NotConvexError(
-            f"{body.name!r} is not strictly convex (smallest principal curvature "
-            f"{curvature.min_curvature_per_mm:.4g} per mm), so it rests on its convex hull, which the smooth census "
-            "does not see; use a smaller beta or smaller coefficients."
-        )
+    center = None if com is None else as_point(com)
+    curvature = require_strictly_convex(body)
     mass = mass_properties(body)
-    center = np.array(mass.centroid_mm if com is None else com, dtype=float)
-    _check_com(body, center)
+    if center is None:
+        center = np.array(mass.centroid_mm)
+    _require_inside(body, center)
     equilibria, rest = _equilibria_and_rest(body, center)
     heights = [e.height_mm for e in equilibria]
     return Census(
@@ -66,11 +65,14 @@ def find_equilibria(body: Body, com: Sequence[float] | Array) -> tuple[Equilibri
     This is the census without margins, and correspondingly quick.
 
     Raises:
+        NotConvexError: If the body is not strictly convex.
         DegenerateEquilibriaError: If the equilibria are not isolated.
-        CensusError: If the COM lies outside the body, or the counts contradict Poincaré–Hopf.
+        CensusError: If the COM is not a finite point inside the body, or the counts contradict
+            Poincaré–Hopf.
     """
-    center = np.array(com, dtype=float)
-    _check_com(body, center)
+    center = as_point(com)
+    require_strictly_convex(body)
+    _require_inside(body, center)
     return _equilibria_and_rest(body, center)[0]
 
 
@@ -80,10 +82,8 @@ def _equilibria_and_rest(body: Body, center: Array) -> tuple[tuple[Equilibrium, 
     return equilibria, rest
 
 
-def _check_com(body: Body, center: Array) -> None:
-    if center.shape != (3,) or not np.all(np.isfinite(center)):
-        raise CensusError("The centre of mass must be three finite numbers in mm.")
-    if np.linalg.norm(center) > 2.0 * body.radius_mm or depth_mm(body, center)[0] <= 0.0:
+def _require_inside(body: Body, center: Array) -> None:
+    if np.abs(center).max() > _FAR * body.radius_mm or depth_mm(body, center)[0] <= 0.0:
         place = ", ".join(f"{c:g}" for c in center)
         raise CensusError(f"The centre of mass ({place}) mm lies outside the body; give one inside it.")
 
@@ -95,13 +95,16 @@ def _describe(body: Body, directions: Array, center: Array) -> tuple[tuple[Equil
     values, vectors = np.linalg.eigh(hessians)
     if np.any(np.abs(values) < _DEGENERATE_STIFFNESS * body.radius_mm):
         raise DegenerateEquilibriaError(
-            f"An equilibrium of {body.name!r} about this centre of mass is neutral, so its kind cannot be told; move "
-            "the centre of mass."
+            f"An equilibrium of {body.name!r} about this centre of mass is neutral, so its kind cannot be "
+            "told; move the centre of mass."
         )
     order = np.argsort(heights)
     equilibria = tuple(
         Equilibrium(
-            _kind(values[i]), as_vector(points.normal[i]), float(heights[i]), (float(values[i, 0]), float(values[i, 1]))
+            kind=_kind(values[i]),
+            direction=as_vector(points.normal[i]),
+            height_mm=float(heights[i]),
+            stiffness_mm=(float(values[i, 0]), float(values[i, 1])),
         )
         for i in order
     )
@@ -132,6 +135,6 @@ def _assert_poincare_hopf(body: Body, equilibria: tuple[Equilibrium, ...]) -> No
     total = sum(-1 if e.kind == "saddle" else 1 for e in equilibria)
     if total != 2:
         raise CensusError(
-            f"The census of {body.name!r} is incomplete (S − H + U = {total}, not 2); move the centre of mass by a "
-            "micrometre, and report this body."
+            f"The census of {body.name!r} is incomplete (S − H + U = {total}, not 2); move the centre of "
+            "mass by a micrometre, and report this body."
         )
