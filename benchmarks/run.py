@@ -45,7 +45,7 @@ COMMANDS = (
 
 @dataclass(frozen=True)
 class Accuracy:
-    """A number beside its reference, with the error that is allowed, in units of `scale` or of the reference."""
+    """A number beside its reference, with the error allowed, in units of `scale` or of the reference."""
 
     name: str
     value: float
