@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 from pathlib import Path
 from typing import Annotated, Any
@@ -172,10 +173,8 @@ def _body(
 
     if (name is None) == (family is None):
         raise GombocError("Give either the name of a body (gomboc-cad catalog lists them) or --family.")
-    if not 0.1 <= diameter_mm <= 1e5:
-        raise GombocError(
-            f"--diameter-mm {diameter_mm:g} is not allowed; choose a size from 0.1 to 100000 mm."
-        )
+    if not 1.0 <= diameter_mm <= 1e5:
+        raise GombocError(f"--diameter-mm {diameter_mm:g} is not allowed; choose a size from 1 to 100000 mm.")
     if name is not None:
         if beta is not None or coefficients:
             raise GombocError("--beta and --coef go with --family, not with the name of a body.")
@@ -200,6 +199,8 @@ def _numbers(option: str, text: str, count: int = 3) -> list[float]:
 
 def main() -> None:
     """Run the command line; errors that a user can cause become one sentence and exit code 2."""
+    # A polite request to end is an interrupt like any other: temporary files are removed.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         code = app(prog_name="gomboc-cad", standalone_mode=False)
     except (GombocError, TyperException) as error:

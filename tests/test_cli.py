@@ -240,7 +240,8 @@ def test_an_unverified_body_is_built_on_demand_and_fails(tmp_path: Path) -> None
 
 
 @pytest.mark.slow
-def test_an_interrupt_leaves_nothing_behind(tmp_path: Path) -> None:
+@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_leaves_nothing_behind(tmp_path: Path, sent: signal.Signals) -> None:
     child = subprocess.Popen(
         [sys.executable, "-m", "gomboc_cad", "build", "imu-housing", "-o", str(tmp_path / "out"), "-q"],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
@@ -250,7 +251,7 @@ def test_an_interrupt_leaves_nothing_behind(tmp_path: Path) -> None:
     while not list(tmp_path.iterdir()) and time.monotonic() < deadline:
         time.sleep(0.05)
     time.sleep(1.0)
-    child.send_signal(signal.SIGINT)
+    child.send_signal(sent)
     output, errors = child.communicate(timeout=120)
     assert child.returncode == 130, errors
     assert output == ""

@@ -8,7 +8,7 @@ from typing import Annotated
 from pydantic import Field, model_validator
 
 from gomboc_cad.errors import SpecError
-from gomboc_cad.products.toml_model import Number, Point, Text, TomlModel, parse_model, read_toml
+from gomboc_cad.products.toml_model import Coordinate, Number, Point, Text, TomlModel, parse_model, read_toml
 from gomboc_cad.resources import template_folder
 
 Size = Annotated[Number, Field(gt=0.0, le=500.0)]
@@ -17,8 +17,8 @@ Size = Annotated[Number, Field(gt=0.0, le=500.0)]
 class MountingHole(TomlModel):
     """A mounting hole in the board's frame."""
 
-    x_mm: Number
-    y_mm: Number
+    x_mm: Coordinate
+    y_mm: Coordinate
     diameter_mm: Annotated[Number, Field(gt=0.0, le=10.0)]
 
 

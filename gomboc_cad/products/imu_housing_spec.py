@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from gomboc_cad.products.body_spec import BodySpec
-from gomboc_cad.products.toml_model import Count, Number, Point, Text, TomlModel
+from gomboc_cad.products.toml_model import Coordinate, Count, Number, Point, Text, TomlModel
 
 
 class ShellSpec(TomlModel):
@@ -42,7 +42,7 @@ class MountSpec(TomlModel):
 
     type: Text = "adafruit-bno055"
     seat_mm: Annotated[Number, Field(gt=0.0, le=500.0)] = 10.0
-    offset_mm: tuple[Number, Number] = (0.0, 0.0)
+    offset_mm: tuple[Coordinate, Coordinate] = (0.0, 0.0)
     clearance_mm: Annotated[Number, Field(ge=0.0, le=50.0)] = 1.0
 
 

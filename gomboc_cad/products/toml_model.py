@@ -19,7 +19,8 @@ MAX_FILE_BYTES = 1_000_000
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Count = Annotated[int, Field(strict=True)]
 Text = Annotated[str, Field(strict=True, min_length=1, max_length=200)]
-Point = tuple[Number, Number, Number]
+Coordinate = Annotated[float, Field(strict=True, ge=-1e4, le=1e4)]
+Point = tuple[Coordinate, Coordinate, Coordinate]
 
 
 class TomlModel(BaseModel):

@@ -17,8 +17,8 @@ from gomboc_cad.errors import GeometryError
 from gomboc_cad.solid.mass import SolidMass, mesh_mass
 from gomboc_cad.solid.offset import InsetSurface
 
-MAX_LEVEL = 9
-"""Finest subdivision: 5,242,880 facets, a sag of about 0.1 µm on 100 mm."""
+MAX_LEVEL = 7
+"""Finest subdivision: 327,680 facets, a sag of 1.3 µm on 100 mm; each level costs four times the last."""
 
 _TRIAL_LEVEL = 4
 # The sag falls by 4 with each level, to about a percent from the trial level on.
@@ -57,19 +57,24 @@ def body_mesh(body: Body, sag_um: float) -> Mesh:
         sag_um: Largest distance allowed between the facets and the analytic surface.
 
     Raises:
-        GeometryError: If the sag is not positive or needs more than five million facets.
+        GeometryError: If the sag is not positive or needs more than `MAX_LEVEL`.
     """
     return surface_mesh(InsetSurface(body), sag_um)
 
 
-def surface_mesh(surface: InsetSurface, sag_um: float) -> Mesh:
-    """Mesh an inset surface; see `body_mesh`."""
-    directions, faces = geodesic_triangulation(subdivision_level(surface, sag_um))
+def surface_mesh(surface: InsetSurface, sag_um: float, reserve_um: float = 0.0) -> Mesh:
+    """Mesh an inset surface; see `body_mesh` and, for the reserve, `subdivision_level`."""
+    directions, faces = geodesic_triangulation(subdivision_level(surface, sag_um, reserve_um))
     return Mesh(surface.position_mm(directions), faces)
 
 
-def subdivision_level(surface: InsetSurface, sag_um: float) -> int:
+def subdivision_level(surface: InsetSurface, sag_um: float, reserve_um: float = 0.0) -> int:
     """Lowest level of subdivision of the icosahedron that meets a sag.
+
+    Args:
+        surface: The surface.
+        sag_um: Largest distance allowed between the facets and the surface.
+        reserve_um: What later steps will use up of that.
 
     Raises:
         GeometryError: If the sag is not positive or needs more than `MAX_LEVEL`.
@@ -78,13 +83,15 @@ def subdivision_level(surface: InsetSurface, sag_um: float) -> int:
         raise GeometryError(f"The sag must be a positive length in µm, not {sag_um!r}.")
     directions, faces = geodesic_triangulation(_TRIAL_LEVEL)
     trial = _SAFETY * facet_sag_um(Mesh(surface.position_mm(directions), faces), surface).max()
-    level = _TRIAL_LEVEL + max(0, math.ceil(math.log(trial / sag_um, 4.0)))
-    if level > MAX_LEVEL:
-        finest = trial / 4.0 ** (MAX_LEVEL - _TRIAL_LEVEL)
+    finest = trial / 4.0 ** (MAX_LEVEL - _TRIAL_LEVEL) + reserve_um
+    if sag_um < finest:
+        # Rounded up, so that the figure in the sentence is enough.
+        enough = math.ceil(finest * 10.0) / 10.0
         raise GeometryError(
-            f"A sag of {sag_um:g} µm needs more than five million facets; ask for {finest:.2g} µm or more."
+            f"A sag of {sag_um:g} µm needs more than {20 * 4**MAX_LEVEL:,} facets at this size; ask for "
+            f"{enough:g} µm or more."
         )
-    return level
+    return _TRIAL_LEVEL + max(0, math.ceil(math.log(trial / (sag_um - reserve_um), 4.0)))
 
 
 def facet_sag_um(mesh: Mesh, surface: InsetSurface) -> Array:

@@ -131,7 +131,15 @@ def test_senseless_sags_are_refused(primary: Body, sag_um: float) -> None:
 
 
 def test_a_sag_that_needs_too_many_facets_is_refused(primary: Body) -> None:
-    with pytest.raises(GeometryError, match="five million facets; ask for"):
+    with pytest.raises(GeometryError, match="327,680 facets at this size; ask for"):
         body_mesh(primary, 0.01)
-    with pytest.raises(GeometryError, match="too small for this size"):
+    with pytest.raises(GeometryError, match="ask for"):
         mesh(HollowBody(primary, 3.0), 0.1)
+
+
+def test_the_sag_that_a_refusal_names_is_enough(primary: Body) -> None:
+    large = HollowBody(primary.with_diameter(2000.0), 60.0)
+    with pytest.raises(GeometryError, match="ask for") as caught:
+        mesh(large, 1.0)
+    enough_um = float(str(caught.value).split("ask for ")[1].split()[0])
+    assert subdivision_level(large.outer, enough_um, 4.0) <= 7

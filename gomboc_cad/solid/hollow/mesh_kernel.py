@@ -31,15 +31,11 @@ def mesh(hollow: HollowBody, sag_um: float) -> Mesh:
     """
     sliver_mm = _SLIVER_SHARE * hollow.body.diameter_mm
     # Once here and once in `split_mesh` may the surface move by a sliver.
-    allowed_um = sag_um - 2e3 * sliver_mm
-    if allowed_um <= 0.0:
-        raise GeometryError(
-            f"A sag of {sag_um:g} µm is too small for this size; ask for {6e3 * sliver_mm:.2g} µm or more."
-        )
-    outer = _manifold(surface_mesh(hollow.outer, allowed_um))
-    void = _manifold(surface_mesh(hollow.inner, allowed_um))
-    bosses = [_cylinder(boss, allowed_um) for boss in hollow.placed_bosses]
-    holes = [_cylinder(hole, allowed_um) for hole in hollow.placed_holes]
+    reserve_um = 2e3 * sliver_mm
+    outer = _manifold(surface_mesh(hollow.outer, sag_um, reserve_um))
+    void = _manifold(surface_mesh(hollow.inner, sag_um, reserve_um))
+    bosses = [_cylinder(boss, sag_um - reserve_um) for boss in hollow.placed_bosses]
+    holes = [_cylinder(hole, sag_um - reserve_um) for hole in hollow.placed_holes]
     void = Manifold.batch_boolean([void, *bosses], OpType.Subtract)
     return _one_piece(
         Manifold.batch_boolean([outer, void, *holes], OpType.Subtract), sliver_mm, "The hollow body"
