@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from gomboc_cad.progress import Progress, silent
+
 
 class Reporter:
     """Says results in the way that was asked for: JSON, tables, or nothing.
@@ -30,13 +32,13 @@ class Reporter:
             show(document)
 
     @contextmanager
-    def stages(self, total: int) -> Iterator[Callable[[str], None]]:
+    def stages(self, total: int) -> Iterator[Progress]:
         """A progress bar over named stages on stderr, where that is a terminal.
 
         The callback that it gives names the stage that begins.
         """
         if self.quiet or not sys.stderr.isatty():
-            yield lambda stage: None
+            yield silent
             return
         from rich.console import Console
         from rich.progress import (

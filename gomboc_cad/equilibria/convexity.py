@@ -10,17 +10,11 @@ import numpy as np
 from gomboc_cad.body.sphere import Array
 from gomboc_cad.body.surface import Body
 from gomboc_cad.equilibria.cells import SphereMinimum, minimise_on_sphere
-from gomboc_cad.equilibria.records import Convexity, Vector
+from gomboc_cad.equilibria.records import Convexity, as_vector
 from gomboc_cad.errors import CensusError, NotConvexError
 
 _ABSOLUTE_GAP = 1e-6
 _RELATIVE_GAP = 1e-4
-
-
-def as_vector(array: Array) -> Vector:
-    """Turn an array of shape (3,) into a plain tuple."""
-    x, y, z = (float(value) for value in array)
-    return x, y, z
 
 
 def as_point(values: Sequence[float] | Array) -> Array:

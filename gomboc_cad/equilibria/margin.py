@@ -14,8 +14,8 @@ import numpy as np
 from gomboc_cad.body.sphere import Array, geodesic_triangulation, unit
 from gomboc_cad.body.surface import Body
 from gomboc_cad.equilibria.cells import minimise_on_sphere
-from gomboc_cad.equilibria.convexity import as_point, as_vector, require_strictly_convex
-from gomboc_cad.equilibria.records import Margin
+from gomboc_cad.equilibria.convexity import as_point, require_strictly_convex
+from gomboc_cad.equilibria.records import Margin, as_vector
 
 _RELATIVE_GAP = 0.005
 _START_LEVEL = 4

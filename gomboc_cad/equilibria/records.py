@@ -8,9 +8,16 @@ from typing import Literal
 import numpy as np
 
 from gomboc_cad.body.mass import MassProperties
+from gomboc_cad.body.sphere import Array
 
 Kind = Literal["stable", "unstable", "saddle"]
 Vector = tuple[float, float, float]
+
+
+def as_vector(array: Array) -> Vector:
+    """Turn an array of shape (3,) into a plain tuple."""
+    x, y, z = (float(value) for value in array)
+    return x, y, z
 
 
 @dataclass(frozen=True)
@@ -78,8 +85,8 @@ class Rest:
         """Hessian of the height in the body's frame, as rows: takes a small tilt to its COM error."""
         axes = zip(self.stiffness_mm, (self.soft_direction, self.stiff_direction), strict=True)
         matrix = sum((k * np.outer(axis, axis) for k, axis in axes), np.zeros((3, 3)))
-        first, second, third = ((float(x), float(y), float(z)) for x, y, z in matrix)
-        return first, second, third
+        first, second, third = matrix
+        return as_vector(first), as_vector(second), as_vector(third)
 
 
 @dataclass(frozen=True)

@@ -11,10 +11,10 @@ from gomboc_cad.body.mass import mass_properties
 from gomboc_cad.body.sphere import Array
 from gomboc_cad.body.support import depth_mm, support_about
 from gomboc_cad.body.surface import Body
-from gomboc_cad.equilibria.convexity import as_point, as_vector, require_strictly_convex
+from gomboc_cad.equilibria.convexity import as_point, require_strictly_convex
 from gomboc_cad.equilibria.critical import critical_directions
 from gomboc_cad.equilibria.margin import com_margin
-from gomboc_cad.equilibria.records import Census, Equilibrium, Kind, Rest
+from gomboc_cad.equilibria.records import Census, Equilibrium, Kind, Rest, as_vector
 from gomboc_cad.errors import CensusError, DegenerateEquilibriaError
 
 _DEGENERATE_STIFFNESS = 1e-9

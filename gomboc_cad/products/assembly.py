@@ -8,7 +8,7 @@ import numpy as np
 from build123d import Solid
 
 from gomboc_cad.body.sphere import Array
-from gomboc_cad.equilibria.records import Vector
+from gomboc_cad.equilibria.records import Vector, as_vector
 
 
 @dataclass(frozen=True)
@@ -60,8 +60,7 @@ class Assembly:
     @property
     def com_mm(self) -> Vector:
         """Centre of mass `Σ mᵢ pᵢ / Σ mᵢ`."""
-        x, y, z = (float(value) for value in center_of_mass([(p.mass_g, p.com_mm) for p in self.parts]))
-        return x, y, z
+        return as_vector(center_of_mass([(part.mass_g, part.com_mm) for part in self.parts]))
 
     @property
     def com_residual_um(self) -> float:

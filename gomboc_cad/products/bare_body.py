@@ -10,8 +10,8 @@ from typing import Any
 from gomboc_cad.body import Body, catalogue_entries, mass_properties
 from gomboc_cad.documents import file_document, rest_document
 from gomboc_cad.errors import SpecError
-from gomboc_cad.products.imu_housing import Progress
 from gomboc_cad.products.verdict import judge
+from gomboc_cad.progress import Progress, silent
 from gomboc_cad.solid.audit import require_pymeshlab
 from gomboc_cad.solid.boundary import Boundary
 from gomboc_cad.solid.export import NamedMesh, write_3mf, write_step, write_stl
@@ -38,7 +38,7 @@ def write_body(
     deviation_um: float | None = None,
     force: bool = False,
     audit: bool = False,
-    progress: Progress = lambda stage: None,
+    progress: Progress = silent,
 ) -> dict[str, Any]:
     """Write a body's files, read them back and judge the body about its homogeneous centroid.
 

@@ -10,11 +10,13 @@ import numpy as np
 
 from gomboc_cad import __version__
 from gomboc_cad.documents import file_document, rest_document
+from gomboc_cad.equilibria.records import as_vector
 from gomboc_cad.products.assembly import Assembly
 from gomboc_cad.products.body_spec import require_verified
-from gomboc_cad.products.imu_housing import LOWER, UPPER, HousingDesign, Progress, design_imu_housing
+from gomboc_cad.products.imu_housing import LOWER, UPPER, HousingDesign, design_imu_housing
 from gomboc_cad.products.spec import load_spec, spec_path
 from gomboc_cad.products.verdict import Sensitivity, Verdict, judge, tilt_from_com_error_deg
+from gomboc_cad.progress import Progress, silent
 from gomboc_cad.solid.audit import require_pymeshlab
 from gomboc_cad.solid.boundary import Boundary
 from gomboc_cad.solid.export import NamedMesh, write_3mf, write_step, write_stl
@@ -38,7 +40,7 @@ def build_product(
     force: bool = False,
     allow_unverified: bool = False,
     audit: bool = False,
-    progress: Progress = lambda stage: None,
+    progress: Progress = silent,
 ) -> dict[str, Any]:
     """Build a product, write its files, read them back, and judge it.
 
@@ -85,8 +87,7 @@ def _write(design: HousingDesign, staging: Path) -> dict[str, list[Expected]]:
     """Write all files; give what each of them must hold."""
     assembly = design.assembly
     seam = design.layout.frame.point(0.0, 0.0, design.layout.seam_height_mm)
-    x, y, z = (float(value) for value in seam)
-    halves = Boundary.of_hollow(design.layout.hollow).split((x, y, z), design.layout.frame.up)
+    halves = Boundary.of_hollow(design.layout.hollow).split(as_vector(seam), design.layout.frame.up)
     boundaries = dict(zip((LOWER, UPPER), halves, strict=True))
     deviation_um, sag_um = default_deviation_um(design.body), design.spec.mesh.sag_um
 
@@ -139,9 +140,8 @@ def _sensitivities(design: HousingDesign, verdict: Verdict) -> list[Sensitivity]
     assembly, board = design.assembly, design.board
     place = next(part.com_mm for part in assembly.parts if part.name == "board")
     arm = np.subtract(place, assembly.com_mm) * board.mass_tolerance_g / assembly.mass_g
-    error = (float(arm[0]), float(arm[1]), float(arm[2]))
     com_error_um = 1e3 * float(np.linalg.norm(arm))
-    tilt = tilt_from_com_error_deg(verdict.census.rest, error)
+    tilt = tilt_from_com_error_deg(verdict.census.rest, as_vector(arm))
     return [
         Sensitivity(f"an error of {board.mass_tolerance_g:g} g in the mass of the board", com_error_um, tilt)
     ]

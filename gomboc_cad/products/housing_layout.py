@@ -10,7 +10,7 @@ import numpy as np
 from gomboc_cad.body import Body, mass_properties
 from gomboc_cad.body.sphere import Array, geodesic_triangulation
 from gomboc_cad.equilibria import convexity, find_equilibria
-from gomboc_cad.equilibria.records import Vector
+from gomboc_cad.equilibria.records import Vector, as_vector
 from gomboc_cad.errors import GeometryError
 from gomboc_cad.products.boards import Board
 from gomboc_cad.products.fasteners import Insert, Screw
@@ -59,7 +59,7 @@ class HousingLayout:
 
         return replace(
             self,
-            hollow=replace(self.hollow, core_shift_mm=_tuple(shift_mm)),
+            hollow=replace(self.hollow, core_shift_mm=as_vector(shift_mm)),
             seat_height_mm=self.seat_height_mm + up,
             seam_height_mm=self.seam_height_mm + up,
             board_corner_mm=across(self.board_corner_mm),
@@ -108,8 +108,7 @@ def _down(body: Body) -> Vector:
         return find_equilibria(body, centroid)[0].direction
     grid = geodesic_triangulation(5)[0]
     nearest = grid[np.linalg.norm(body.position_mm(grid) - centroid, axis=1).argmin()]
-    x, y, z = (float(value) for value in body.normal(nearest[None])[0])
-    return x, y, z
+    return as_vector(body.normal(nearest[None])[0])
 
 
 def _tallest(board: Board, screw: Screw) -> float:
@@ -169,11 +168,11 @@ def _bosses(
     # Bosses start outside the body; only what lies in the cavity counts.
     far = 1.5 * body.radius_mm
     standoffs = [
-        Cylinder(_tuple(frame.point(*place, -far)), frame.up, 0.5 * spec.standoffs.diameter_mm, seat + far)
+        Cylinder(as_vector(frame.point(*place, -far)), frame.up, 0.5 * spec.standoffs.diameter_mm, seat + far)
         for place in holes
     ]
     radius = 0.5 * spec.closure.diameter_mm + spec.closure.boss_wall_mm
-    columns = [Cylinder(_tuple(frame.point(*place, -far)), frame.up, radius, 2.0 * far) for place in pins]
+    columns = [Cylinder(as_vector(frame.point(*place, -far)), frame.up, radius, 2.0 * far) for place in pins]
     return (*standoffs, *columns)
 
 
@@ -188,19 +187,14 @@ def _holes(
 ) -> tuple[Cylinder, ...]:
     depth = insert.length_mm + HOLE_BELOW_INSERT_MM
     for_inserts = [
-        Cylinder(_tuple(frame.point(*place, seat - depth)), frame.up, 0.5 * insert.hole_diameter_mm, depth)
+        Cylinder(as_vector(frame.point(*place, seat - depth)), frame.up, 0.5 * insert.hole_diameter_mm, depth)
         for place in holes
     ]
     half = 0.5 * spec.closure.length_mm + spec.closure.end_gap_mm
     for_pins = [
         Cylinder(
-            _tuple(frame.point(*place, seam - half)), frame.up, 0.5 * spec.closure.diameter_mm, 2.0 * half
+            as_vector(frame.point(*place, seam - half)), frame.up, 0.5 * spec.closure.diameter_mm, 2.0 * half
         )
         for place in pins
     ]
     return (*for_inserts, *for_pins)
-
-
-def _tuple(array: Array) -> Vector:
-    x, y, z = (float(value) for value in array)
-    return x, y, z

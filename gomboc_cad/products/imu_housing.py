@@ -7,7 +7,6 @@ places it; the finished solids are then measured.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -16,7 +15,7 @@ from build123d import Location, Solid
 
 from gomboc_cad.body import Body, mass_properties
 from gomboc_cad.body.sphere import Array
-from gomboc_cad.equilibria.records import Vector
+from gomboc_cad.equilibria.records import Vector, as_vector
 from gomboc_cad.errors import GeometryError
 from gomboc_cad.products.assembly import Assembly, Part, center_of_mass
 from gomboc_cad.products.boards import Board, load_board
@@ -25,11 +24,10 @@ from gomboc_cad.products.housing_layout import HousingLayout, lay_out
 from gomboc_cad.products.imu_housing_spec import ImuHousingSpec
 from gomboc_cad.products.materials import Material, load_material
 from gomboc_cad.products.mounting import board_solid
+from gomboc_cad.progress import Progress, silent
 from gomboc_cad.solid import hollow
 from gomboc_cad.solid.mass import solid_mass
 from gomboc_cad.solid.mesh import Mesh
-
-Progress = Callable[[str], None]
 
 LOWER, UPPER = "imu-housing-lower", "imu-housing-upper"
 _HALF_COLORS = {LOWER: (0.27, 0.51, 0.71), UPPER: (0.74, 0.83, 0.90)}
@@ -73,7 +71,7 @@ class _Purchases:
 
 
 def design_imu_housing(
-    spec: ImuHousingSpec, spec_folder: Path | None = None, progress: Progress = lambda stage: None
+    spec: ImuHousingSpec, spec_folder: Path | None = None, progress: Progress = silent
 ) -> HousingDesign:
     """Make the housing's parts and place its centre of mass.
 
@@ -110,12 +108,12 @@ def design_imu_housing(
 
     progress("making the solids")
     seam = layout.frame.point(0.0, 0.0, layout.seam_height_mm)
-    lower, upper = hollow.split_brep(hollow.brep(layout.hollow), _tuple(seam), layout.frame.up)
+    lower, upper = hollow.split_brep(hollow.brep(layout.hollow), as_vector(seam), layout.frame.up)
     halves = [_half(name, solid, bought.plastic) for name, solid in ((LOWER, lower), (UPPER, upper))]
     assembly = Assembly("imu-housing", (*halves, *contents), target)
 
     progress("making the meshes")
-    meshes = hollow.split_mesh(hollow.mesh(layout.hollow, spec.mesh.sag_um), _tuple(seam), layout.frame.up)
+    meshes = hollow.split_mesh(hollow.mesh(layout.hollow, spec.mesh.sag_um), as_vector(seam), layout.frame.up)
     return HousingDesign(
         spec, body, bought.board, layout, assembly, dict(zip((LOWER, UPPER), meshes, strict=True)), left
     )
@@ -133,8 +131,8 @@ def _contents(spec: ImuHousingSpec, layout: HousingLayout, bought: _Purchases) -
             "board",
             board.name,
             board.mass_g,
-            _tuple(board_com),
-            laminate.volume,
+            as_vector(board_com),
+            solid_mass(laminate).volume_mm3,
             laminate,
             False,
             board.name,
@@ -247,9 +245,4 @@ def _bought(
 def _moved(part: Part, shift: Array) -> Part:
     """The same part, moved."""
     moved = part.solid.moved(Location(tuple(shift)))
-    return replace(part, com_mm=_tuple(np.add(part.com_mm, shift)), solid=moved)
-
-
-def _tuple(array: Array) -> Vector:
-    x, y, z = (float(value) for value in array)
-    return x, y, z
+    return replace(part, com_mm=as_vector(np.add(part.com_mm, shift)), solid=moved)

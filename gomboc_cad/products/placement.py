@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from gomboc_cad.body import Body, depth_mm
 from gomboc_cad.body.sphere import Array
-from gomboc_cad.equilibria.records import Vector
+from gomboc_cad.equilibria.records import Vector, as_vector
 from gomboc_cad.errors import GeometryError
 
 
@@ -39,7 +39,8 @@ class RestFrame:
         first = seed - (seed @ up) * up
         first /= np.linalg.norm(first)
         second = np.cross(up, first)
-        return cls(*((float(v[0]) + 0.0, float(v[1]) + 0.0, float(v[2]) + 0.0) for v in (up, first, second)))
+        # Adding zero turns a rounded −0.0 into 0.0.
+        return cls(as_vector(up + 0.0), as_vector(first + 0.0), as_vector(second + 0.0))
 
     def matrix(self) -> Array:
         """Rows first, second, up, shape (3, 3)."""
