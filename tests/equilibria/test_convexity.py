@@ -130,3 +130,10 @@ def test_a_function_with_thousands_of_equal_minima_ends_with_the_best_found() ->
 
     assert minimise_on_sphere(function, 1e-12).value == pytest.approx(-1.0, abs=1e-3)
     assert sum(asked) < 1_500_000
+
+
+def test_smallest_radius_of_curvature_of_the_primary() -> None:
+    """29.07 mm on a body of 100 mm: the reference of the thickest smooth wall."""
+    primary = catalog()["primary"]
+    assert convexity(primary).min_radius_of_curvature_mm == pytest.approx(29.07, abs=0.01)
+    assert convexity(primary.with_diameter(10.0)).min_radius_of_curvature_mm == pytest.approx(2.907, abs=1e-3)

@@ -112,3 +112,15 @@ def test_ten_micrometres_tilt_the_housing_by_degrees_not_by_seconds(body: Body, 
     assert np.degrees(np.arctan(0.01 / 100.0)) * 3600.0 == pytest.approx(20.6, abs=0.05)
     needed_um = 20.6 / 3600.0 / census.rest.tilt_deg_per_um[0]
     assert needed_um == pytest.approx(0.017, abs=0.0005)
+
+
+def test_the_stiffness_matrix_takes_a_small_tilt_to_the_com_error_behind_it() -> None:
+    """The rest about a COM moved by v across the vertical turns by δu with `(∇²h) δu = v`."""
+    body = catalog()["primary"]
+    census = smooth_census(body)
+    com, down = np.array(census.com_mm), np.array(census.rest.direction)
+    for axis in (census.rest.soft_direction, census.rest.stiff_direction):
+        moved = 1e-6 * np.array(axis)
+        turned = np.array(find_equilibria(body, com + moved)[0].direction) - down
+        found = np.array(census.rest.stiffness_matrix_mm) @ turned
+        assert found == pytest.approx(moved, rel=1e-3, abs=1e-9)
