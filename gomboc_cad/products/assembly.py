@@ -9,6 +9,9 @@ from build123d import Solid
 
 from gomboc_cad.body.sphere import Array
 from gomboc_cad.equilibria.records import Vector, as_vector
+from gomboc_cad.products.materials import Material
+from gomboc_cad.solid.mass import solid_mass
+from gomboc_cad.solid.step import Color
 
 
 @dataclass(frozen=True)
@@ -35,7 +38,17 @@ class Part:
     solid: Solid
     made: bool
     standard: str
-    color: tuple[float, float, float]
+    color: Color
+
+    @classmethod
+    def homogeneous(
+        cls, name: str, solid: Solid, material: Material, color: Color, standard: str = ""
+    ) -> Part:
+        """A part of one material throughout; with a standard it is a bought one."""
+        mass = solid_mass(solid)
+        mass_g = material.mass_g(mass.volume_mm3)
+        made = not standard
+        return cls(name, material.name, mass_g, mass.com_mm, mass.volume_mm3, solid, made, standard, color)
 
 
 @dataclass(frozen=True)

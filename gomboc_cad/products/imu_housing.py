@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from build123d import Location, Solid
+from build123d import Location
 
 from gomboc_cad.body import Body, mass_properties
 from gomboc_cad.body.sphere import Array
@@ -109,7 +109,10 @@ def design_imu_housing(
     progress("making the solids")
     seam = layout.frame.point(0.0, 0.0, layout.seam_height_mm)
     lower, upper = hollow.split_brep(hollow.brep(layout.hollow), as_vector(seam), layout.frame.up)
-    halves = [_half(name, solid, bought.plastic) for name, solid in ((LOWER, lower), (UPPER, upper))]
+    halves = [
+        Part.homogeneous(name, solid, bought.plastic, _HALF_COLORS[name])
+        for name, solid in ((LOWER, lower), (UPPER, upper))
+    ]
     assembly = Assembly("imu-housing", (*halves, *contents), target)
 
     progress("making the meshes")
@@ -139,29 +142,17 @@ def _contents(spec: ImuHousingSpec, layout: HousingLayout, bought: _Purchases) -
             _LAMINATE,
         )
     ]
+    insert, screw = bought.insert, bought.screw
     for index, (first, second) in enumerate(layout.hole_places_mm, start=1):
-        on_standoff = frame.location(frame.point(first, second, seat))
-        on_board = frame.location(frame.point(first, second, seat + board.thickness_mm))
-        parts.append(
-            _bought(
-                f"insert-{index}",
-                bought.insert.solid,
-                on_standoff,
-                bought.brass,
-                bought.insert.standard,
-                _BRASS,
-            )
-        )
-        parts.append(
-            _bought(
-                f"screw-{index}", bought.screw.solid, on_board, bought.steel, bought.screw.standard, _METAL
-            )
-        )
+        sunk = insert.solid.moved(frame.location(frame.point(first, second, seat)))
+        driven = screw.solid.moved(frame.location(frame.point(first, second, seat + board.thickness_mm)))
+        parts.append(Part.homogeneous(f"insert-{index}", sunk, bought.brass, _BRASS, insert.standard))
+        parts.append(Part.homogeneous(f"screw-{index}", driven, bought.steel, _METAL, screw.standard))
     pin = dowel_pin(spec.closure)
     standard = f"ISO 8734 {spec.closure.diameter_mm:g} x {spec.closure.length_mm:g}"
     for index, (first, second) in enumerate(layout.pin_places_mm, start=1):
-        at_seam = frame.location(frame.point(first, second, layout.seam_height_mm))
-        parts.append(_bought(f"pin-{index}", pin, at_seam, bought.pin, standard, _METAL))
+        across = pin.moved(frame.location(frame.point(first, second, layout.seam_height_mm)))
+        parts.append(Part.homogeneous(f"pin-{index}", across, bought.pin, _METAL, standard))
     return parts
 
 
@@ -201,44 +192,6 @@ def _check_reach(spec: ImuHousingSpec, shift: Array, left: float) -> None:
         f"mm, but a wall of {spec.shell.wall_mm:g} mm with at least {spec.shell.min_wall_mm:g} mm left "
         f"allows {allowed:.3g} mm, which is {100.0 * allowed / needed:.0f} % of the way; make the wall "
         "thicker, the payload lighter, or com.target nearer."
-    )
-
-
-def _half(name: str, solid: Solid, plastic: Material) -> Part:
-    mass = solid_mass(solid)
-    return Part(
-        name,
-        plastic.name,
-        plastic.mass_g(mass.volume_mm3),
-        mass.com_mm,
-        mass.volume_mm3,
-        solid,
-        True,
-        "",
-        _HALF_COLORS[name],
-    )
-
-
-def _bought(
-    name: str,
-    solid: Solid,
-    place: Location,
-    material: Material,
-    standard: str,
-    color: tuple[float, float, float],
-) -> Part:
-    placed = solid.moved(place)
-    mass = solid_mass(placed)
-    return Part(
-        name,
-        material.name,
-        material.mass_g(mass.volume_mm3),
-        mass.com_mm,
-        mass.volume_mm3,
-        placed,
-        False,
-        standard,
-        color,
     )
 
 
