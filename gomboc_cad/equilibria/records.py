@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -67,9 +68,6 @@ class Rest:
         stiffness_mm: (soft, stiff) eigenvalues of the Hessian of the height.
         soft_direction: Body direction along which a COM error tilts the rest most.
         stiff_direction: Body direction along which it tilts the rest least.
-        tilt_deg_per_um: (soft, stiff) tilt for a COM error of 1 µm along those directions.
-        tilt_matrix_deg_per_um: Tilt vector (soft, stiff) per COM error vector (soft, stiff); diagonal
-            in these axes.
     """
 
     direction: Vector
@@ -77,8 +75,18 @@ class Rest:
     stiffness_mm: tuple[float, float]
     soft_direction: Vector
     stiff_direction: Vector
-    tilt_deg_per_um: tuple[float, float]
-    tilt_matrix_deg_per_um: tuple[tuple[float, float], tuple[float, float]]
+
+    @property
+    def tilt_deg_per_um(self) -> tuple[float, float]:
+        """Tilt (soft, stiff) for a COM error of 1 µm along those directions."""
+        soft, stiff = self.stiffness_mm
+        return math.degrees(1e-3 / soft), math.degrees(1e-3 / stiff)
+
+    @property
+    def tilt_matrix_deg_per_um(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Tilt vector (soft, stiff) per COM error vector (soft, stiff); diagonal in these axes."""
+        soft, stiff = self.tilt_deg_per_um
+        return (soft, 0.0), (0.0, stiff)
 
     @property
     def stiffness_matrix_mm(self) -> tuple[Vector, Vector, Vector]:

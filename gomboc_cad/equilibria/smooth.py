@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -110,16 +109,12 @@ def _describe(body: Body, directions: Array, center: Array) -> tuple[tuple[Equil
     )
     lowest = order[0]
     axes = vectors[lowest].T @ points.tangents[lowest]
-    soft, stiff = equilibria[0].stiffness_mm
-    tilt = (math.degrees(1e-3 / soft), math.degrees(1e-3 / stiff))
     rest = Rest(
         direction=equilibria[0].direction,
         height_mm=equilibria[0].height_mm,
-        stiffness_mm=(soft, stiff),
+        stiffness_mm=equilibria[0].stiffness_mm,
         soft_direction=as_vector(axes[0]),
         stiff_direction=as_vector(axes[1]),
-        tilt_deg_per_um=tilt,
-        tilt_matrix_deg_per_um=((tilt[0], 0.0), (0.0, tilt[1])),
     )
     return equilibria, rest
 

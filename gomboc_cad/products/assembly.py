@@ -10,7 +10,7 @@ from build123d import Solid
 from gomboc_cad.body.sphere import Array
 from gomboc_cad.equilibria.records import Vector, as_vector
 from gomboc_cad.products.materials import Material
-from gomboc_cad.solid.mass import solid_mass
+from gomboc_cad.solid.mass import SolidMass, solid_mass
 from gomboc_cad.solid.step import Color
 
 
@@ -23,8 +23,8 @@ class Part:
         material: Name of the material.
         mass_g: Mass.
         com_mm: Centre of mass in the body's frame.
-        volume_mm3: Volume of the solid.
         solid: The solid, in place.
+        measured: Mass properties of the solid as a homogeneous one; a payload's own may differ.
         made: Whether it is made by the user (printed or machined) and not bought.
         standard: Standard or maker's number of a bought part.
         color: RGB in 0…1.
@@ -34,8 +34,8 @@ class Part:
     material: str
     mass_g: float
     com_mm: Vector
-    volume_mm3: float
     solid: Solid
+    measured: SolidMass
     made: bool
     standard: str
     color: Color
@@ -47,8 +47,12 @@ class Part:
         """A part of one material throughout; with a standard it is a bought one."""
         mass = solid_mass(solid)
         mass_g = material.mass_g(mass.volume_mm3)
-        made = not standard
-        return cls(name, material.name, mass_g, mass.com_mm, mass.volume_mm3, solid, made, standard, color)
+        return cls(name, material.name, mass_g, mass.com_mm, solid, mass, not standard, standard, color)
+
+    @property
+    def volume_mm3(self) -> float:
+        """Volume of the solid."""
+        return self.measured.volume_mm3
 
 
 @dataclass(frozen=True)

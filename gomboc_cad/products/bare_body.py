@@ -15,7 +15,7 @@ from gomboc_cad.progress import Progress, silent
 from gomboc_cad.solid.audit import require_pymeshlab
 from gomboc_cad.solid.boundary import Boundary
 from gomboc_cad.solid.export import NamedMesh, write_3mf, write_step, write_stl
-from gomboc_cad.solid.inspect import Expected, inspect_file
+from gomboc_cad.solid.inspect import Expected, inspect_file, problems_of
 from gomboc_cad.solid.mass import solid_mass
 from gomboc_cad.solid.mesh import body_mesh
 from gomboc_cad.solid.offset import InsetSurface
@@ -97,8 +97,7 @@ def write_body(
         progress("judging")
         entry = catalogue_entries().get(body.name)
         refuted = (entry.reason,) if entry is not None and entry.status == "refuted" else ()
-        problems = tuple(f"{file.name}: {problem}" for file in found for problem in file.problems)
-        verdict = judge(body, model.centroid_mm, refuted + problems)
+        verdict = judge(body, model.centroid_mm, refuted + problems_of(found))
     measured = solid_mass(solid)
     return {
         "folder": str(folder),

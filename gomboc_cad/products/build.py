@@ -20,8 +20,7 @@ from gomboc_cad.progress import Progress, silent
 from gomboc_cad.solid.audit import require_pymeshlab
 from gomboc_cad.solid.boundary import Boundary
 from gomboc_cad.solid.export import NamedMesh, write_3mf, write_step, write_stl
-from gomboc_cad.solid.inspect import Expected, FileInspection, inspect_file
-from gomboc_cad.solid.mass import solid_mass
+from gomboc_cad.solid.inspect import Expected, FileInspection, inspect_file, problems_of
 from gomboc_cad.solid.output import open_output, write_bytes
 from gomboc_cad.solid.patches import default_deviation_um
 from gomboc_cad.solid.step import NamedSolid
@@ -86,8 +85,8 @@ def build_product(
 def _write(design: HousingDesign, staging: Path) -> dict[str, list[Expected]]:
     """Write all files; give what each of them must hold."""
     assembly = design.assembly
-    seam = design.layout.frame.point(0.0, 0.0, design.layout.seam_height_mm)
-    halves = Boundary.of_hollow(design.layout.hollow).split(as_vector(seam), design.layout.frame.up)
+    layout = design.layout
+    halves = Boundary.of_hollow(layout.hollow).split(layout.seam_point_mm, layout.frame.up)
     boundaries = dict(zip((LOWER, UPPER), halves, strict=True))
     deviation_um, sag_um = default_deviation_um(design.body), design.spec.mesh.sag_um
 
@@ -95,7 +94,7 @@ def _write(design: HousingDesign, staging: Path) -> dict[str, list[Expected]]:
         part.name: Expected(
             part.name,
             part.volume_mm3,
-            solid_mass(part.solid).com_mm,
+            part.measured.com_mm,
             deviation_um if part.made else _BOUGHT_PART_DEVIATION_UM,
             boundaries.get(part.name),
         )
@@ -123,7 +122,7 @@ def _write(design: HousingDesign, staging: Path) -> dict[str, list[Expected]]:
 
 
 def _problems(design: HousingDesign, found: list[FileInspection]) -> tuple[str, ...]:
-    problems = [f"{file.name}: {problem}" for file in found for problem in file.problems]
+    problems = list(problems_of(found))
     residual, allowed = design.assembly.com_residual_um, design.spec.com.max_residual_um
     if residual > allowed:
         problems.append(

@@ -11,6 +11,8 @@ from build123d import Cylinder, Shape, Solid
 from gomboc_cad.errors import SpecError
 from gomboc_cad.products.imu_housing_spec import ClosureSpec, StandoffSpec
 
+_HOLE_BELOW_INSERT_MM = 1.0
+
 
 @dataclass(frozen=True)
 class Insert:
@@ -29,6 +31,11 @@ class Insert:
     length_mm: float
     min_wall_mm: float
     standard: str
+
+    @property
+    def hole_depth_mm(self) -> float:
+        """Depth of the hole, with room under the insert for melted plastic and the screw's tip."""
+        return self.length_mm + _HOLE_BELOW_INSERT_MM
 
 
 @dataclass(frozen=True)

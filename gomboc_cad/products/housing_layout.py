@@ -16,7 +16,6 @@ from gomboc_cad.products.boards import Board
 from gomboc_cad.products.fasteners import Insert, Screw
 from gomboc_cad.products.imu_housing_spec import ImuHousingSpec
 from gomboc_cad.products.mounting import (
-    HOLE_BELOW_INSERT_MM,
     board_outline_mm,
     check_board_fits,
     check_fasteners,
@@ -49,6 +48,11 @@ class HousingLayout:
     board_corner_mm: Place
     hole_places_mm: tuple[Place, ...]
     pin_places_mm: tuple[Place, ...]
+
+    @property
+    def seam_point_mm(self) -> Vector:
+        """The point of the seam's plane over the body's origin."""
+        return as_vector(self.frame.point(0.0, 0.0, self.seam_height_mm))
 
     def moved(self, shift_mm: Array) -> HousingLayout:
         """The same interior as one rigid core moved by a vector of the body's frame, shape (3,)."""
@@ -118,7 +122,7 @@ def _tallest(board: Board, screw: Screw) -> float:
 def _check_standoff_heights(
     spec: ImuHousingSpec, body: Body, frame: RestFrame, holes: tuple[Place, ...], seat: float, insert: Insert
 ) -> None:
-    needed = insert.length_mm + HOLE_BELOW_INSERT_MM
+    needed = insert.hole_depth_mm
     for place in holes:
         height = seat - cavity_floor_mm(body, frame, spec.shell.wall_mm, *place)
         if height < needed:
@@ -131,7 +135,7 @@ def _check_standoff_heights(
 
 def _pin_places(spec: ImuHousingSpec, body: Body, frame: RestFrame, seam: float) -> tuple[Place, ...]:
     """Put the pins as far out as the wall behind their holes stays whole."""
-    half = 0.5 * spec.closure.length_mm + spec.closure.end_gap_mm
+    half = spec.closure.half_hole_mm
     depth = spec.shell.wall_mm + 0.5 * spec.closure.diameter_mm
     places = []
     for index in range(spec.closure.count):
@@ -145,7 +149,7 @@ def _check_pins_clear_board(
     spec: ImuHousingSpec, board: Board, corner: Place, pins: tuple[Place, ...]
 ) -> None:
     """The bosses of the pins run along the wall over the whole height, so they must pass beside the board."""
-    radius = 0.5 * spec.closure.diameter_mm + spec.closure.boss_wall_mm
+    radius = spec.closure.boss_radius_mm
     outline = board_outline_mm(board) + corner
     low, high = outline.min(axis=0), outline.max(axis=0)
     for place in pins:
@@ -171,7 +175,7 @@ def _bosses(
         Cylinder(as_vector(frame.point(*place, -far)), frame.up, 0.5 * spec.standoffs.diameter_mm, seat + far)
         for place in holes
     ]
-    radius = 0.5 * spec.closure.diameter_mm + spec.closure.boss_wall_mm
+    radius = spec.closure.boss_radius_mm
     columns = [Cylinder(as_vector(frame.point(*place, -far)), frame.up, radius, 2.0 * far) for place in pins]
     return (*standoffs, *columns)
 
@@ -185,12 +189,12 @@ def _holes(
     seam: float,
     insert: Insert,
 ) -> tuple[Cylinder, ...]:
-    depth = insert.length_mm + HOLE_BELOW_INSERT_MM
+    depth = insert.hole_depth_mm
     for_inserts = [
         Cylinder(as_vector(frame.point(*place, seat - depth)), frame.up, 0.5 * insert.hole_diameter_mm, depth)
         for place in holes
     ]
-    half = 0.5 * spec.closure.length_mm + spec.closure.end_gap_mm
+    half = spec.closure.half_hole_mm
     for_pins = [
         Cylinder(
             as_vector(frame.point(*place, seam - half)), frame.up, 0.5 * spec.closure.diameter_mm, 2.0 * half

@@ -107,8 +107,8 @@ def design_imu_housing(
     contents = [_moved(part, shift) for part in contents]
 
     progress("making the solids")
-    seam = layout.frame.point(0.0, 0.0, layout.seam_height_mm)
-    lower, upper = hollow.split_brep(hollow.brep(layout.hollow), as_vector(seam), layout.frame.up)
+    seam = layout.seam_point_mm
+    lower, upper = hollow.split_brep(hollow.brep(layout.hollow), seam, layout.frame.up)
     halves = [
         Part.homogeneous(name, solid, bought.plastic, _HALF_COLORS[name])
         for name, solid in ((LOWER, lower), (UPPER, upper))
@@ -116,7 +116,7 @@ def design_imu_housing(
     assembly = Assembly("imu-housing", (*halves, *contents), target)
 
     progress("making the meshes")
-    meshes = hollow.split_mesh(hollow.mesh(layout.hollow, spec.mesh.sag_um), as_vector(seam), layout.frame.up)
+    meshes = hollow.split_mesh(hollow.mesh(layout.hollow, spec.mesh.sag_um), seam, layout.frame.up)
     return HousingDesign(
         spec, body, bought.board, layout, assembly, dict(zip((LOWER, UPPER), meshes, strict=True)), left
     )
@@ -135,8 +135,8 @@ def _contents(spec: ImuHousingSpec, layout: HousingLayout, bought: _Purchases) -
             board.name,
             board.mass_g,
             as_vector(board_com),
-            solid_mass(laminate).volume_mm3,
             laminate,
+            solid_mass(laminate),
             False,
             board.name,
             _LAMINATE,
@@ -197,5 +197,9 @@ def _check_reach(spec: ImuHousingSpec, shift: Array, left: float) -> None:
 
 def _moved(part: Part, shift: Array) -> Part:
     """The same part, moved."""
-    moved = part.solid.moved(Location(tuple(shift)))
-    return replace(part, com_mm=as_vector(np.add(part.com_mm, shift)), solid=moved)
+    return replace(
+        part,
+        com_mm=as_vector(np.add(part.com_mm, shift)),
+        solid=part.solid.moved(Location(tuple(shift))),
+        measured=replace(part.measured, com_mm=as_vector(np.add(part.measured.com_mm, shift))),
+    )

@@ -89,6 +89,16 @@ class ClosureSpec(TomlModel):
     angle_deg: Annotated[Number, Field(ge=-360.0, le=360.0)] = 0.0
     material: Text = "steel"
 
+    @property
+    def boss_radius_mm(self) -> float:
+        """Radius of the boss around a pin."""
+        return 0.5 * self.diameter_mm + self.boss_wall_mm
+
+    @property
+    def half_hole_mm(self) -> float:
+        """Depth of a pin's hole on each side of the seam."""
+        return 0.5 * self.length_mm + self.end_gap_mm
+
 
 class ComSpec(TomlModel):
     """Where the assembly's centre of mass is to be.

@@ -15,9 +15,6 @@ from gomboc_cad.products.fasteners import Insert, Screw
 from gomboc_cad.products.imu_housing_spec import ImuHousingSpec
 from gomboc_cad.products.placement import RestFrame
 
-HOLE_BELOW_INSERT_MM = 1.0
-"""Free depth under an insert, for melted plastic and the screw's tip."""
-
 _ARC_POINTS = 5
 
 
@@ -57,7 +54,7 @@ def check_fasteners(spec: ImuHousingSpec, board: Board, insert: Insert, screw: S
             f"standoffs.diameter_mm = {spec.standoffs.diameter_mm:g} leaves too little around the insert "
             f"{insert.standard}; it needs at least {least:g} mm."
         )
-    depth = insert.length_mm + HOLE_BELOW_INSERT_MM
+    depth = insert.hole_depth_mm
     reach = screw.length_mm - board.thickness_mm
     if reach <= 0.0 or reach > depth:
         raise GeometryError(

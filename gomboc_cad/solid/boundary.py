@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from gomboc_cad.body import Body
 from gomboc_cad.body.sphere import Array, fibonacci_directions
+from gomboc_cad.equilibria.records import Vector
 from gomboc_cad.solid.hollow.description import Cylinder, HollowBody
-from gomboc_cad.solid.offset import InsetSurface, Vector
+from gomboc_cad.solid.offset import InsetSurface
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from build123d import Shape
 from manifold3d import Error, Manifold, Mesh64
 from OCP.BRepCheck import BRepCheck_Analyzer
 
+from gomboc_cad.equilibria.records import Vector
 from gomboc_cad.errors import GeometryError, InspectionError
 from gomboc_cad.solid.audit import audit_mesh
 from gomboc_cad.solid.boundary import Boundary
@@ -20,7 +21,6 @@ from gomboc_cad.solid.mass import SolidMass, solid_mass
 from gomboc_cad.solid.mesh import Mesh
 from gomboc_cad.solid.mesh_distance import MeshDistance, mesh_distance
 from gomboc_cad.solid.mesh_reading import read_3mf, read_stl
-from gomboc_cad.solid.offset import Vector
 from gomboc_cad.solid.patches import max_deviation_um
 from gomboc_cad.solid.step import read_step
 
@@ -103,6 +103,11 @@ class FileInspection:
         return not self.problems
 
 
+def problems_of(files: Iterable[FileInspection]) -> tuple[str, ...]:
+    """Every problem of several files, each behind the name of its file."""
+    return tuple(f"{file.name}: {problem}" for file in files for problem in file.problems)
+
+
 def inspect_file(path: Path, expected: Sequence[Expected], audit: bool = False) -> FileInspection:
     """Read a STEP, STL or 3MF file back and check it.
 
@@ -172,12 +177,11 @@ def _inspect_brep(name: str, shape: Shape, expected: Expected | None) -> tuple[P
     if expected is not None:
         reach_mm = 0.5 * shape.bounding_box(optimal=False).diagonal
         if expected.boundary is None:
-            # As with meshes: the whole surface may lie off by the promised distance.
-            share = 1e-3 * expected.distance_um * shape.area / mass.volume_mm3
+            problems += _loose_mass_problems(mass, expected, shape.area, reach_mm)
         else:
-            share = MASS_TOLERANCE
-        problems += _mass_problems(mass, expected, share * mass.volume_mm3, share * reach_mm)
-        if expected.boundary is not None:
+            problems += _mass_problems(
+                mass, expected, MASS_TOLERANCE * mass.volume_mm3, MASS_TOLERANCE * reach_mm
+            )
             try:
                 distance_um = max_deviation_um(shape, expected.boundary.inset_surfaces)
             except GeometryError as error:
@@ -210,9 +214,7 @@ def _inspect_mesh(
     if expected is not None:
         reach_mm = 0.5 * float(np.linalg.norm(np.ptp(mesh.vertices_mm, axis=0)))
         if expected.boundary is None:
-            # Each facet may lie off by the promised distance, on the same side everywhere.
-            moved_mm3 = 1e-3 * expected.distance_um * float(tri.area)
-            problems += _mass_problems(mass, expected, moved_mm3, moved_mm3 * reach_mm / mass.volume_mm3)
+            problems += _loose_mass_problems(mass, expected, float(tri.area), reach_mm)
         else:
             gap = mesh_distance(mesh, manifold, expected.boundary, expected.distance_um)
             distance_um = max(gap.from_mesh_um, gap.to_mesh_um)
@@ -241,6 +243,12 @@ def _corrected_mass_problems(
     volume_mm3 = MASS_TOLERANCE * volume + CORRECTION_TOLERANCE * gap.moved_mm3
     com_mm = MASS_TOLERANCE * reach_mm + CORRECTION_TOLERANCE * gap.moved_moment_mm4 / volume
     return _mass_problems(corrected, expected, volume_mm3, com_mm)
+
+
+def _loose_mass_problems(mass: SolidMass, expected: Expected, area_mm2: float, reach_mm: float) -> list[str]:
+    """Compare with a model of unknown surfaces, all of which may be off by what is promised, to one side."""
+    moved_mm3 = 1e-3 * expected.distance_um * area_mm2
+    return _mass_problems(mass, expected, moved_mm3, moved_mm3 * reach_mm / mass.volume_mm3)
 
 
 def _mass_problems(mass: SolidMass, expected: Expected, volume_mm3: float, com_mm: float) -> list[str]:

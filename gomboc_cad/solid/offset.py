@@ -16,10 +16,9 @@ from gomboc_cad.body import Body
 from gomboc_cad.body.mass import sphere_quadrature
 from gomboc_cad.body.sphere import Array, unit
 from gomboc_cad.equilibria import convexity
+from gomboc_cad.equilibria.records import Vector
 from gomboc_cad.errors import GeometryError
 from gomboc_cad.solid.mass import SolidMass
-
-Vector = tuple[float, float, float]
 
 _NEWTON_STEPS = 12
 _CHUNK = 100_000

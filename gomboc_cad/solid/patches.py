@@ -29,7 +29,7 @@ from scipy.interpolate import BSpline, make_interp_spline
 from gomboc_cad.body import Body
 from gomboc_cad.body.sphere import Array, unit
 from gomboc_cad.errors import GeometryError
-from gomboc_cad.solid.offset import InsetSurface, Vector
+from gomboc_cad.solid.offset import InsetSurface
 
 DEGREE = 5
 POINTS_PER_EDGE = (17, 25, 33, 49, 65)
@@ -87,18 +87,6 @@ def body_solid(body: Body, deviation_um: float | None = None) -> Solid:
         GeometryError: If no fit comes that close, or the solid is not valid.
     """
     return inset_solid(InsetSurface(body), deviation_um)
-
-
-def offset_solid(
-    body: Body, distance_mm: float, shift_mm: Vector = (0.0, 0.0, 0.0), deviation_um: float | None = None
-) -> Solid:
-    """Make the solid inside a body's surface moved inwards by `distance_mm` and then by `shift_mm`.
-
-    Raises:
-        GeometryError: If the distance is not less than the smallest radius of curvature of the body's
-            surface, or as for `body_solid`.
-    """
-    return inset_solid(InsetSurface(body, distance_mm, shift_mm), deviation_um)
 
 
 def inset_solid(surface: InsetSurface, deviation_um: float | None = None) -> Solid:

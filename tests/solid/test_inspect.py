@@ -19,7 +19,8 @@ from gomboc_cad.solid.hollow import Cylinder, HollowBody, Mesh, brep, mesh
 from gomboc_cad.solid.inspect import Expected, FileInspection, inspect_file
 from gomboc_cad.solid.mass import solid_mass
 from gomboc_cad.solid.mesh import body_mesh
-from gomboc_cad.solid.patches import interpolate_patches, offset_solid, patches_solid
+from gomboc_cad.solid.offset import InsetSurface
+from gomboc_cad.solid.patches import inset_solid, interpolate_patches, patches_solid
 from tests.solid.conftest import SAG_UM, Halves
 
 
@@ -180,7 +181,8 @@ def test_a_forgotten_hole_is_found(tmp_path: Path, primary: Body) -> None:
 
 
 def test_a_step_file_of_another_wall_is_found(tmp_path: Path, primary: Body, expected_body: Expected) -> None:
-    write_step(tmp_path / "thin.step", [NamedSolid("primary", offset_solid(primary, 0.001))], "primary")
+    thin = inset_solid(InsetSurface(primary, 0.001))
+    write_step(tmp_path / "thin.step", [NamedSolid("primary", thin)], "primary")
     found = inspect_file(tmp_path / "thin.step", [expected_body])
     assert "has a volume of" in found.problems[0]
     assert "1.07 µm away from the model's surface" in found.problems[-1]

@@ -18,9 +18,9 @@ from gomboc_cad.solid.patches import (
     DEGREE,
     body_solid,
     fit_patches,
+    inset_solid,
     interpolate_patches,
     max_deviation_um,
-    offset_solid,
     patches_deviation_um,
 )
 
@@ -37,8 +37,8 @@ def test_reference_volume_and_com_of_the_primary(primary: Body) -> None:
 @pytest.mark.parametrize("wall_mm", [0.0, 3.0])
 def test_every_catalogue_body_is_drawn_to_a_tenth_of_a_micrometre(name: str, wall_mm: float) -> None:
     body = gomboc_cad.catalog()[name]
-    solid = offset_solid(body, wall_mm, (0.1, 0.0, -0.2))
     surface = InsetSurface(body, wall_mm, (0.1, 0.0, -0.2))
+    solid = inset_solid(surface)
     assert max_deviation_um(solid, [surface]) <= 0.1
     mass, truth = solid_mass(solid), surface.mass()
     assert mass.volume_mm3 == pytest.approx(truth.volume_mm3, rel=5e-8)

@@ -24,10 +24,10 @@ from OCP.ShapeUpgrade import ShapeUpgrade_ShapeDivideContinuity
 from OCP.TopoDS import TopoDS, TopoDS_Shape
 from OCP.TopTools import TopTools_ListOfShape
 
+from gomboc_cad.equilibria.records import Vector
 from gomboc_cad.errors import GeometryError
 from gomboc_cad.solid.hollow.description import Cylinder, HollowBody
 from gomboc_cad.solid.mass import SolidMass, solid_mass
-from gomboc_cad.solid.offset import Vector
 from gomboc_cad.solid.patches import body_solid, inset_solid
 
 _SAME_PARAMETER_TOLERANCE_MM = 1e-7

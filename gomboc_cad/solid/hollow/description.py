@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from gomboc_cad.body import Body
 from gomboc_cad.body.sphere import Array
+from gomboc_cad.equilibria.records import Vector
 from gomboc_cad.errors import GeometryError
-from gomboc_cad.solid.offset import InsetSurface, Vector
+from gomboc_cad.solid.offset import InsetSurface
 
 _ENCLOSED_SKIN_MM = 1e-3
 _FLUSH_SHARE = 1e-6

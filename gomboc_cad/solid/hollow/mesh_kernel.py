@@ -7,10 +7,10 @@ import math
 import numpy as np
 from manifold3d import Error, Manifold, Mesh64, OpType
 
+from gomboc_cad.equilibria.records import Vector
 from gomboc_cad.errors import GeometryError
 from gomboc_cad.solid.hollow.description import Cylinder, HollowBody
 from gomboc_cad.solid.mesh import Mesh, surface_mesh
-from gomboc_cad.solid.offset import Vector
 
 _SLIVER_SHARE = 1e-6
 """Edges shorter than this share of the size are collapsed; a float32 in STL resolves a tenth of it."""
