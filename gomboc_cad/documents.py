@@ -56,14 +56,16 @@ def census_verdict(census: Census) -> str:
 
 def census_document(body: Body, census: Census) -> dict[str, Any]:
     """Keys of `gomboc-cad census`."""
-    mass, margin = census.mass_properties, census.margin
+    mass, margin, curvature = census.mass_properties, census.margin, census.convexity
+    if mass is None or margin is None or curvature is None:
+        raise TypeError("This document is for the census of a smooth body.")
     return {
-        **_shape_document(body, census.convexity),
+        **_shape_document(body, curvature),
         "stable": census.stable,
         "unstable": census.unstable,
         "saddles": census.saddles,
         "volume_mm3": mass.volume_mm3,
-        "centroid_mm": list(mass.centroid_mm),
+        "centroid_mm": list(mass.com_mm),
         "com_mm": list(census.com_mm),
         "height_range_mm": census.height_range_mm,
         "margin_mm": margin.margin_mm,
@@ -75,7 +77,7 @@ def census_document(body: Body, census: Census) -> dict[str, Any]:
                 "kind": equilibrium.kind,
                 "direction": list(equilibrium.direction),
                 "height_mm": equilibrium.height_mm,
-                "stiffness_mm": list(equilibrium.stiffness_mm),
+                "stiffness_mm": list(equilibrium.stiffness_mm or ()),
             }
             for equilibrium in census.equilibria
         ],

@@ -1,4 +1,4 @@
-"""Mass integrals of the homogeneous body by Gauss–Legendre quadrature on the sphere."""
+"""Mass integrals: of a homogeneous body by Gauss–Legendre quadrature, of a polyhedron exactly."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from gomboc_cad.body.sphere import Array
+from gomboc_cad.body.sphere import Array, IntArray
 from gomboc_cad.body.surface import Body
 from gomboc_cad.errors import BodyError
 
@@ -19,17 +19,24 @@ _MAX_ORDER = 1024
 
 @dataclass(frozen=True)
 class MassProperties:
-    """Volume, centroid and inertia of a homogeneous solid.
+    """Mass properties of a homogeneous solid of unit density.
 
     Attributes:
         volume_mm3: Volume.
-        centroid_mm: Centroid (x, y, z).
-        inertia_mm5: Inertia tensor about the centroid for unit density, as nested rows.
+        com_mm: Centre of mass (x, y, z), which is the centroid.
+        inertia_mm5: Inertia tensor about the centre of mass, as nested rows.
     """
 
     volume_mm3: float
-    centroid_mm: tuple[float, float, float]
+    com_mm: tuple[float, float, float]
     inertia_mm5: tuple[tuple[float, float, float], ...]
+
+    @classmethod
+    def from_arrays(cls, volume_mm3: float, com_mm: Array, inertia_mm5: Array) -> MassProperties:
+        """Make the record from arrays of shape (3,) and (3, 3)."""
+        x, y, z = (float(c) for c in com_mm)
+        rows = tuple((float(a), float(b), float(c)) for a, b, c in inertia_mm5)
+        return cls(float(volume_mm3), (x, y, z), rows)
 
 
 def sphere_quadrature(order: int) -> tuple[Array, Array]:
@@ -92,6 +99,25 @@ def _from_moments(moments: Array, radius_mm: float) -> MassProperties:
     second.T[np.triu_indices(3)] = moments[4:]
     central = second - volume * np.outer(centroid, centroid)
     inertia = (np.trace(central) * np.eye(3) - central) * radius_mm**5
-    x, y, z = (float(c) * radius_mm for c in centroid)
-    rows = tuple((float(a), float(b), float(c)) for a, b, c in inertia)
-    return MassProperties(float(volume) * radius_mm**3, (x, y, z), rows)
+    return MassProperties.from_arrays(float(volume) * radius_mm**3, centroid * radius_mm, inertia)
+
+
+def mesh_mass(vertices_mm: Array, faces: IntArray) -> MassProperties:
+    """Integrate exactly over the polyhedron that a closed, outward oriented mesh bounds.
+
+    Args:
+        vertices_mm: Shape (n, 3).
+        faces: Shape (m, 3).
+    """
+    # Tetrahedra from a point amid the mesh lose fewer digits than from a distant origin.
+    pivot = vertices_mm.mean(axis=0)
+    corners = (vertices_mm - pivot)[faces]
+    six_volumes = np.einsum("nx,nx->n", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
+    volume = six_volumes.sum() / 6.0
+    total = corners.sum(axis=1)
+    centroid = six_volumes @ total / (24.0 * volume)
+    second = np.einsum("n,ni,nj->ij", six_volumes, total, total, optimize=True)
+    second += np.einsum("n,nai,naj->ij", six_volumes, corners, corners, optimize=True)
+    second = second / 120.0 - volume * np.outer(centroid, centroid)
+    inertia = np.trace(second) * np.eye(3) - second
+    return MassProperties.from_arrays(float(volume), centroid + pivot, inertia)

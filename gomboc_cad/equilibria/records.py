@@ -12,6 +12,8 @@ from gomboc_cad.body.mass import MassProperties
 from gomboc_cad.body.sphere import Array
 
 Kind = Literal["stable", "unstable", "saddle"]
+Extent = Literal["point", "ring", "sphere"]
+CensusVerdict = Literal["monostable", "multistable", "undecided"]
 Vector = tuple[float, float, float]
 
 
@@ -49,13 +51,23 @@ class Equilibrium:
         kind: `stable`, `unstable` or `saddle`.
         direction: Body direction that points down.
         height_mm: Height of the COM over the table.
-        stiffness_mm: Eigenvalues (smaller, larger) of the Hessian of the height.
+        stiffness_mm: Eigenvalues (smaller, larger) of the Hessian of the height; None on a polyhedron,
+            whose height has kinks.
+        barrier_mm: How far the COM has to rise (for an unstable pose: to sink) before the body passes to
+            another equilibrium of the same kind; None if there is no other, or where it was not computed.
+        probability: Share of the orientations from which a quasi-static release ends in this stable pose;
+            None for other kinds, or where it was not computed.
+        extent: `point`, or `ring` or `sphere` where the body balances neutrally all along one, up to the
+            barrier of the census.
     """
 
     kind: Kind
     direction: Vector
     height_mm: float
-    stiffness_mm: tuple[float, float]
+    stiffness_mm: tuple[float, float] | None = None
+    barrier_mm: float | None = None
+    probability: float | None = None
+    extent: Extent = "point"
 
 
 @dataclass(frozen=True)
@@ -65,7 +77,8 @@ class Rest:
     Attributes:
         direction: Body direction that points down.
         height_mm: Height of the COM over the table.
-        stiffness_mm: (soft, stiff) eigenvalues of the Hessian of the height.
+        stiffness_mm: (soft, stiff) eigenvalues of the Hessian of the height; infinite on a polyhedron, which
+            does not turn on its facet for a small COM error.
         soft_direction: Body direction along which a COM error tilts the rest most.
         stiff_direction: Body direction along which it tilts the rest least.
     """
@@ -117,26 +130,67 @@ class Margin:
 
 
 @dataclass(frozen=True)
+class MeshEvidence:
+    """What the census of a mesh rests on.
+
+    Attributes:
+        facets: Number of facets of the convex hull, coplanar triangles merged.
+        raw_stable: Stable facets of the hull, however low the barrier around them.
+        raw_unstable: Unstable vertices of the hull.
+        raw_saddles: Saddle edges of the hull.
+        neutral: Places where the height is exactly stationary without a strict kind (a foot exactly on an
+            edge, for example); they were counted as if the COM were moved by an infinitesimal.
+        sag_mm: Bound on the distance between the facets and the smooth surface that they stand for; 0 where
+            all folds are edges of the part itself.
+        barrier_mm: Equilibria with a lower barrier were not counted.
+        lowest_counted_mm: Lowest barrier among the counted stable equilibria except the deepest; None if
+            only one counts.
+        highest_uncounted_mm: Highest barrier among the stable equilibria that were not counted; None if all
+            count.
+        uncounted_directions: Where the uncounted stable equilibria with the highest barriers are, the
+            highest first, at most ten.
+    """
+
+    facets: int
+    raw_stable: int
+    raw_unstable: int
+    raw_saddles: int
+    neutral: int
+    sag_mm: float
+    barrier_mm: float
+    lowest_counted_mm: float | None
+    highest_uncounted_mm: float | None
+    uncounted_directions: tuple[Vector, ...]
+
+
+@dataclass(frozen=True)
 class Census:
     """All resting positions of a body about a centre of mass.
 
     Attributes:
         com_mm: The centre of mass.
-        equilibria: Every equilibrium, the lowest first.
+        equilibria: Every equilibrium that counts, the lowest first: all of a smooth body, of a mesh those
+            with a barrier above that of `mesh`.
         height_range_mm: Highest less lowest height of the COM.
         rest: The lowest stable rest.
-        mass_properties: Of the homogeneous body.
-        convexity: Extremes of curvature.
-        margin: How far the COM may move.
+        verdict: Whether there is one stable rest; `undecided` where the resolution of a mesh does not tell.
+        reason: One sentence for the verdict, which says what would decide it if it is `undecided`.
+        mass_properties: Of the homogeneous body; None for a mesh that does not bound a solid.
+        convexity: Extremes of curvature; None for a mesh.
+        margin: How far the COM may move; None for a mesh.
+        mesh: Raw counts and resolution of a mesh; None for a smooth body.
     """
 
     com_mm: Vector
     equilibria: tuple[Equilibrium, ...]
     height_range_mm: float
     rest: Rest
-    mass_properties: MassProperties
-    convexity: Convexity
-    margin: Margin
+    verdict: CensusVerdict
+    reason: str
+    mass_properties: MassProperties | None = None
+    convexity: Convexity | None = None
+    margin: Margin | None = None
+    mesh: MeshEvidence | None = None
 
     def _count(self, kind: Kind) -> int:
         return sum(e.kind == kind for e in self.equilibria)

@@ -43,15 +43,18 @@ def smooth_census(body: Body, com: Sequence[float] | Array | None = None) -> Cen
     curvature = require_strictly_convex(body)
     mass = mass_properties(body)
     if center is None:
-        center = np.array(mass.centroid_mm)
+        center = np.array(mass.com_mm)
     _require_inside(body, center)
     equilibria, rest = _equilibria_and_rest(body, center)
     heights = [e.height_mm for e in equilibria]
+    stable = sum(e.kind == "stable" for e in equilibria)
     return Census(
         com_mm=as_vector(center),
         equilibria=equilibria,
         height_range_mm=max(heights) - min(heights),
         rest=rest,
+        verdict="monostable" if stable == 1 else "multistable",
+        reason=f"The smooth body has {stable} stable equilibri{'um' if stable == 1 else 'a'}.",
         mass_properties=mass,
         convexity=curvature,
         margin=com_margin(body, center),
@@ -112,7 +115,7 @@ def _describe(body: Body, directions: Array, center: Array) -> tuple[tuple[Equil
     rest = Rest(
         direction=equilibria[0].direction,
         height_mm=equilibria[0].height_mm,
-        stiffness_mm=equilibria[0].stiffness_mm,
+        stiffness_mm=(float(values[lowest, 0]), float(values[lowest, 1])),
         soft_direction=as_vector(axes[0]),
         stiff_direction=as_vector(axes[1]),
     )

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from build123d import Solid
 
+from gomboc_cad.body.mass import MassProperties
 from gomboc_cad.body.sphere import Array
 from gomboc_cad.equilibria.records import Vector, as_vector
 from gomboc_cad.products.materials import Material
-from gomboc_cad.solid.mass import SolidMass, solid_mass
+from gomboc_cad.solid.mass import solid_mass
 from gomboc_cad.solid.step import Color
 
 
@@ -35,7 +36,7 @@ class Part:
     mass_g: float
     com_mm: Vector
     solid: Solid
-    measured: SolidMass
+    measured: MassProperties
     made: bool
     standard: str
     color: Color

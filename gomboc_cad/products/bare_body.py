@@ -88,8 +88,8 @@ def write_body(
         progress("reading the files back")
         model = mass_properties(body)
         boundary = Boundary.of_body(body)
-        as_mesh = Expected(name, model.volume_mm3, model.centroid_mm, sag_um, boundary)
-        as_solid = Expected(name, model.volume_mm3, model.centroid_mm, promised_um, boundary)
+        as_mesh = Expected(name, model.volume_mm3, model.com_mm, sag_um, boundary)
+        as_solid = Expected(name, model.volume_mm3, model.com_mm, promised_um, boundary)
         found = [
             inspect_file(path, [as_solid if path.suffix == ".step" else as_mesh], audit) for path in paths
         ]
@@ -97,8 +97,9 @@ def write_body(
         progress("judging")
         entry = catalogue_entries().get(body.name)
         refuted = (entry.reason,) if entry is not None and entry.status == "refuted" else ()
-        verdict = judge(body, model.centroid_mm, refuted + problems_of(found))
+        verdict = judge(body, model.com_mm, refuted + problems_of(found))
     measured = solid_mass(solid)
+    census = verdict.census
     return {
         "folder": str(folder),
         "body": body.name,
@@ -108,8 +109,8 @@ def write_body(
         "sag_um": sag_um,
         "volume_mm3": measured.volume_mm3,
         "com_mm": list(measured.com_mm),
-        "s_margin_mm": verdict.census.margin.s_margin_mm if verdict.census else None,
-        "rest": rest_document(verdict.census.rest) if verdict.census else None,
+        "s_margin_mm": census.margin.s_margin_mm if census and census.margin else None,
+        "rest": rest_document(census.rest) if census else None,
         "verdict": verdict.verdict,
         "reasons": list(verdict.reasons),
     }

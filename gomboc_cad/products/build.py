@@ -149,6 +149,7 @@ def _sensitivities(design: HousingDesign, verdict: Verdict) -> list[Sensitivity]
 def _document(design: HousingDesign, verdict: Verdict, found: list[FileInspection]) -> dict[str, Any]:
     """The JSON document of a build."""
     assembly, census = design.assembly, verdict.census
+    margin = census.margin if census else None
     watertight = _watertight(found)
     sensitivities = _sensitivities(design, verdict)
     return {
@@ -174,8 +175,8 @@ def _document(design: HousingDesign, verdict: Verdict, found: list[FileInspectio
         "assembly": _assembly_document(assembly),
         "core_shift_mm": list(design.layout.hollow.core_shift_mm),
         "min_wall_left_mm": design.min_wall_left_mm,
-        "s_margin_mm": census.margin.s_margin_mm if census else None,
-        "u_margin_mm": census.margin.u_margin_mm if census else None,
+        "s_margin_mm": margin.s_margin_mm if margin else None,
+        "u_margin_mm": margin.u_margin_mm if margin else None,
         "stable": census.stable if census else None,
         "unstable": census.unstable if census else None,
         "saddles": census.saddles if census else None,

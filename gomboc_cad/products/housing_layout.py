@@ -107,7 +107,7 @@ def lay_out(spec: ImuHousingSpec, body: Body, board: Board, insert: Insert, scre
 
 def _down(body: Body) -> Vector:
     """The direction that points down at rest, about the homogeneous centroid."""
-    centroid = np.array(mass_properties(body).centroid_mm)
+    centroid = np.array(mass_properties(body).com_mm)
     if convexity(body).strictly_convex:
         return find_equilibria(body, centroid)[0].direction
     grid = geodesic_triangulation(5)[0]

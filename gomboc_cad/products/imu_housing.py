@@ -96,7 +96,7 @@ def design_imu_housing(
         pin=load_material(spec.closure.material),
     )
     layout = lay_out(spec, body, bought.board, bought.insert, bought.screw)
-    target = mass_properties(body).centroid_mm if spec.com.target == "centroid" else spec.com.target
+    target = mass_properties(body).com_mm if spec.com.target == "centroid" else spec.com.target
 
     progress("placing the centre of mass")
     contents = _contents(spec, layout, bought)
@@ -174,7 +174,7 @@ def _core_shift(
             "Moving the cavity does not move the centre of mass, because its contents weigh as much as "
             "the material it displaces; choose another material or wall."
         )
-    moment = outer_mass * np.array(full.centroid_mm) - empty_mass * np.array(empty.com_mm)
+    moment = outer_mass * np.array(full.com_mm) - empty_mass * np.array(empty.com_mm)
     moment += content_mass * center_of_mass([(part.mass_g, part.com_mm) for part in contents])
     total = outer_mass - empty_mass + content_mass
     result: Array = (moment - total * np.array(target)) / lever

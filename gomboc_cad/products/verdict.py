@@ -70,6 +70,7 @@ def judge(body: Body, com_mm: Vector, problems: tuple[str, ...] = ()) -> Verdict
             "rest point."
         )
         return Verdict("FAIL", (*problems, reason), census)
+    assert census.margin is not None  # a smooth census has one
     margin = census.margin.s_margin_mm
     said = (
         f"The outer surface has {count} about the centre of mass: the part rights itself to one pose.",

@@ -13,11 +13,12 @@ from build123d import Shape
 from manifold3d import Error, Manifold, Mesh64
 from OCP.BRepCheck import BRepCheck_Analyzer
 
+from gomboc_cad.body.mass import MassProperties
 from gomboc_cad.equilibria.records import Vector
 from gomboc_cad.errors import GeometryError, InspectionError
 from gomboc_cad.solid.audit import audit_mesh
 from gomboc_cad.solid.boundary import Boundary
-from gomboc_cad.solid.mass import SolidMass, solid_mass
+from gomboc_cad.solid.mass import solid_mass
 from gomboc_cad.solid.mesh import Mesh
 from gomboc_cad.solid.mesh_distance import MeshDistance, mesh_distance
 from gomboc_cad.solid.mesh_reading import read_3mf, read_stl
@@ -234,24 +235,26 @@ def _open_edges(mesh: Mesh) -> int:
 
 
 def _corrected_mass_problems(
-    mass: SolidMass, gap: MeshDistance, expected: Expected, reach_mm: float
+    mass: MassProperties, gap: MeshDistance, expected: Expected, reach_mm: float
 ) -> list[str]:
     """Compare a mesh with the model after adding what lies between its facets and the analytic surfaces."""
     volume = mass.volume_mm3 + gap.missing_mm3
     com = (np.asarray(mass.com_mm) * mass.volume_mm3 + gap.missing_moment_mm4) / volume
-    corrected = SolidMass.from_arrays(volume, com, np.asarray(mass.inertia_mm5))
+    corrected = MassProperties.from_arrays(volume, com, np.asarray(mass.inertia_mm5))
     volume_mm3 = MASS_TOLERANCE * volume + CORRECTION_TOLERANCE * gap.moved_mm3
     com_mm = MASS_TOLERANCE * reach_mm + CORRECTION_TOLERANCE * gap.moved_moment_mm4 / volume
     return _mass_problems(corrected, expected, volume_mm3, com_mm)
 
 
-def _loose_mass_problems(mass: SolidMass, expected: Expected, area_mm2: float, reach_mm: float) -> list[str]:
+def _loose_mass_problems(
+    mass: MassProperties, expected: Expected, area_mm2: float, reach_mm: float
+) -> list[str]:
     """Compare with a model of unknown surfaces, all of which may be off by what is promised, to one side."""
     moved_mm3 = 1e-3 * expected.distance_um * area_mm2
     return _mass_problems(mass, expected, moved_mm3, moved_mm3 * reach_mm / mass.volume_mm3)
 
 
-def _mass_problems(mass: SolidMass, expected: Expected, volume_mm3: float, com_mm: float) -> list[str]:
+def _mass_problems(mass: MassProperties, expected: Expected, volume_mm3: float, com_mm: float) -> list[str]:
     """Sentences about a volume or a COM that is further off than a tolerance."""
     problems = []
     if not abs(mass.volume_mm3 - expected.volume_mm3) <= volume_mm3:

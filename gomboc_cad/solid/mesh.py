@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from gomboc_cad.body import Body
+from gomboc_cad.body.mass import MassProperties, mesh_mass
 from gomboc_cad.body.sphere import Array, IntArray, geodesic_triangulation
 from gomboc_cad.errors import GeometryError
-from gomboc_cad.solid.mass import SolidMass, mesh_mass
 from gomboc_cad.solid.offset import InsetSurface
 
 MAX_LEVEL = 7
@@ -44,7 +44,7 @@ class Mesh:
         keys, inverse = np.unique(pairs[:, 0] * len(self.vertices_mm) + pairs[:, 1], return_inverse=True)
         return np.stack(np.divmod(keys, len(self.vertices_mm)), axis=1), inverse.reshape(-1, 3)
 
-    def mass(self) -> SolidMass:
+    def mass(self) -> MassProperties:
         """Exact mass properties of the polyhedron."""
         return mesh_mass(self.vertices_mm, self.faces)
 

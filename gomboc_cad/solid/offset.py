@@ -13,12 +13,11 @@ from functools import lru_cache
 import numpy as np
 
 from gomboc_cad.body import Body
-from gomboc_cad.body.mass import sphere_quadrature
+from gomboc_cad.body.mass import MassProperties, sphere_quadrature
 from gomboc_cad.body.sphere import Array, unit
 from gomboc_cad.equilibria import convexity
 from gomboc_cad.equilibria.records import Vector
 from gomboc_cad.errors import GeometryError
-from gomboc_cad.solid.mass import SolidMass
 
 _NEWTON_STEPS = 12
 _CHUNK = 100_000
@@ -109,7 +108,7 @@ class InsetSurface:
             u = unit(here.position_mm + np.einsum("na,nax->nx", move, here.tangents))
         return distance
 
-    def mass(self) -> SolidMass:
+    def mass(self) -> MassProperties:
         """Volume, centroid and inertia of what the surface encloses, by quadrature on the sphere.
 
         With dA the body's surface element and S its shape operator the inset surface has the element
@@ -119,7 +118,7 @@ class InsetSurface:
 
 
 @lru_cache(maxsize=64)
-def _inset_mass(surface: InsetSurface) -> SolidMass:
+def _inset_mass(surface: InsetSurface) -> MassProperties:
     previous = None
     for order in _QUADRATURE_ORDERS:
         moments = _moments(surface, order)
@@ -133,7 +132,7 @@ def _inset_mass(surface: InsetSurface) -> SolidMass:
     second -= moments[0] * np.outer(centroid, centroid)
     inertia = (np.trace(second) * np.eye(3) - second) * scale**5
     com = centroid * scale + np.asarray(surface.shift_mm)
-    return SolidMass.from_arrays(float(moments[0]) * scale**3, com, inertia)
+    return MassProperties.from_arrays(float(moments[0]) * scale**3, com, inertia)
 
 
 def _moments(surface: InsetSurface, order: int) -> Array:

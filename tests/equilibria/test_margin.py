@@ -33,7 +33,7 @@ HARMONIC = Harmonic((((2, 0), 0.012), ((2, 2), 0.006), ((3, 1), 0.004), ((4, -3)
 )
 def test_a_grid_with_a_simplex_search_finds_the_same_margins(body: Body) -> None:
     """`min sqrt(|∇h|² + λ²)` by another formula and another search; these valleys are narrow."""
-    com = np.array(mass_properties(body).centroid_mm)
+    com = np.array(mass_properties(body).com_mm)
     found = com_margin(body, com)
     s_margin, u_margin = margins(body, com)
     assert found.s_margin_mm == pytest.approx(s_margin, rel=1e-5)

@@ -28,7 +28,7 @@ def design(path: Path) -> HousingDesign:
 
 def test_the_centre_of_mass_is_on_its_target(default_housing: HousingDesign) -> None:
     assembly = default_housing.assembly
-    assert assembly.com_target_mm == mass_properties(default_housing.body).centroid_mm
+    assert assembly.com_target_mm == mass_properties(default_housing.body).com_mm
     assert assembly.com_residual_um < 0.01
     by_hand = center_of_mass([(part.mass_g, part.com_mm) for part in assembly.parts])
     assert np.allclose(assembly.com_mm, by_hand, atol=1e-12)

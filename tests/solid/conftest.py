@@ -92,7 +92,7 @@ def halves(hollow: HollowBody, hollow_brep: Solid, hollow_mesh: Mesh) -> Halves:
 def expected_body(primary: Body) -> Expected:
     mass = mass_properties(primary)
     boundary = Boundary.of_body(primary)
-    return Expected("primary", mass.volume_mm3, mass.centroid_mm, default_deviation_um(primary), boundary)
+    return Expected("primary", mass.volume_mm3, mass.com_mm, default_deviation_um(primary), boundary)
 
 
 def write_all(folder: Path, body: Body, halves: Halves) -> None:

@@ -8,8 +8,9 @@ from build123d import Location, Solid
 from OCP.BRepGProp import BRepGProp
 from OCP.GProp import GProp_GProps
 
+from gomboc_cad.body.mass import mesh_mass
 from gomboc_cad.body.sphere import geodesic_triangulation
-from gomboc_cad.solid.mass import mesh_mass, solid_mass
+from gomboc_cad.solid.mass import solid_mass
 
 BOX_VERTICES = np.array([(x, y, z) for x in (0.0, 1.0) for y in (0.0, 2.0) for z in (0.0, 3.0)])
 BOX_FACES = np.array(

@@ -52,7 +52,7 @@ def errors_of(body: Body, axes: Array) -> dict[str, float]:
         "support gradient": np.abs(jet.gradient_mm - (touch - h[:, None] * u)).max(),
         "support hessian": np.abs(jet.hessian_mm - hessian).max(),
         "volume": abs(mass.volume_mm3 - volume),
-        "centroid": np.abs(mass.centroid_mm).max(),
+        "centroid": np.abs(mass.com_mm).max(),
         "inertia": np.abs(np.array(mass.inertia_mm5) - inertia).max(),
     }
 

@@ -24,10 +24,11 @@ from OCP.ShapeUpgrade import ShapeUpgrade_ShapeDivideContinuity
 from OCP.TopoDS import TopoDS, TopoDS_Shape
 from OCP.TopTools import TopTools_ListOfShape
 
+from gomboc_cad.body.mass import MassProperties
 from gomboc_cad.equilibria.records import Vector
 from gomboc_cad.errors import GeometryError
 from gomboc_cad.solid.hollow.description import Cylinder, HollowBody
-from gomboc_cad.solid.mass import SolidMass, solid_mass
+from gomboc_cad.solid.mass import solid_mass
 from gomboc_cad.solid.patches import body_solid, inset_solid
 
 _SAME_PARAMETER_TOLERANCE_MM = 1e-7
@@ -56,7 +57,7 @@ def brep(hollow: HollowBody) -> Solid:
     return _single_solid(_smooth_edges(shape), "The hollow body")
 
 
-def void_properties(hollow: HollowBody) -> SolidMass:
+def void_properties(hollow: HollowBody) -> MassProperties:
     """Measure what the core takes away: the cavity less its bosses, and the enclosed holes.
 
     The core moves rigidly, so the COM is linear in `core_shift_mm` and everything else does not depend on
@@ -115,7 +116,7 @@ def _core_voids(hollow: HollowBody) -> tuple[Solid, ...]:
 
 
 @lru_cache(maxsize=4)
-def _core_mass(hollow: HollowBody) -> SolidMass:
+def _core_mass(hollow: HollowBody) -> MassProperties:
     return solid_mass(Compound(children=[Solid(_smooth_edges(void.wrapped)) for void in _core_voids(hollow)]))
 
 
