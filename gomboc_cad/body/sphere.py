@@ -38,6 +38,12 @@ def tangent_frame(directions: Array) -> tuple[Array, Array]:
     return first, second
 
 
+def lengths(vectors: Array) -> Array:
+    """Euclidean lengths of vectors (n, 3), several times as fast as the general norm."""
+    result: Array = np.sqrt(np.einsum("nx,nx->n", vectors, vectors))
+    return result
+
+
 def fibonacci_directions(count: int) -> Array:
     """Spread directions almost evenly over the sphere along a golden spiral, shape (count, 3)."""
     index = np.arange(count) + 0.5

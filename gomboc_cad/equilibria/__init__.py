@@ -1,7 +1,8 @@
-"""Pure mathematics of rest: smooth census, strict convexity and the COM margin."""
+"""Pure mathematics of rest: censuses of smooth bodies and of meshes, strict convexity, the COM margin."""
 
 from gomboc_cad.equilibria.convexity import convexity
 from gomboc_cad.equilibria.margin import com_margin
+from gomboc_cad.equilibria.mesh import mesh_census
 from gomboc_cad.equilibria.records import (
     Census,
     CensusVerdict,
@@ -24,5 +25,6 @@ __all__ = [
     "com_margin",
     "convexity",
     "find_equilibria",
+    "mesh_census",
     "smooth_census",
 ]
