@@ -10,7 +10,15 @@ from typing import Annotated, Any
 import typer
 from typer.exceptions import TyperException
 
-from gomboc_cad.console import Reporter, show_body, show_build, show_catalog, show_census
+from gomboc_cad.console import (
+    Reporter,
+    show_body,
+    show_build,
+    show_catalog,
+    show_census,
+    show_certificate,
+    show_check,
+)
 from gomboc_cad.errors import GombocError, NotConvexError
 
 PASSED, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
@@ -35,6 +43,7 @@ Coefficients = Annotated[
     typer.Option("--coef", metavar="K=A", help="Coefficient k=a, or l,m=c for harmonic; repeatable."),
 ]
 Diameter = Annotated[float, typer.Option("--diameter-mm", help="Nominal diameter 2 R0.")]
+ComOption = Annotated[str | None, typer.Option("--com-mm", metavar="X,Y,Z", help="Centre of mass.")]
 Output = Annotated[Path, typer.Option("--output", "-o", help="Folder to write to.")]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite files of the same names.")]
 Audit = Annotated[bool, typer.Option("--audit", help="Inspect the meshes with PyMeshLab too (extra: audit).")]
@@ -75,27 +84,28 @@ def census(
     beta: Beta = None,
     coef: Coefficients = None,
     diameter_mm: Diameter = 100.0,
-    com_mm: Annotated[str | None, typer.Option("--com-mm", metavar="X,Y,Z", help="Centre of mass.")] = None,
+    com_mm: ComOption = None,
     json: AsJson = False,
     quiet: Quiet = False,
 ) -> int:
     """Count all resting positions of a body, about its centroid or about a given centre of mass.
 
-    Exits with 1 when the body has more than one stable rest or is not strictly convex.
+    A body that is not convex rests on its hull, which is censused as a fine mesh. Exits with 1 when there
+    is more than one stable rest, or that is undecided.
     """
-    from gomboc_cad.documents import census_document, not_convex_document
-    from gomboc_cad.equilibria import convexity, smooth_census
+    from gomboc_cad.documents import census_document, hull_census_document
+    from gomboc_cad.equilibria import hull_census, smooth_census
 
     chosen = _body(body, family, beta, coef, diameter_mm)
+    com = None if com_mm is None else _numbers("--com-mm", com_mm)
     try:
-        found = smooth_census(chosen, None if com_mm is None else _numbers("--com-mm", com_mm))
-    except NotConvexError as error:
-        Reporter(json, quiet).document(
-            not_convex_document(chosen, convexity(chosen), str(error)), show_census
-        )
-        return FAILED
-    Reporter(json, quiet).document(census_document(chosen, found), show_census)
-    return PASSED if found.stable == 1 else FAILED
+        found = smooth_census(chosen, com)
+        document = census_document(chosen, found)
+    except NotConvexError:
+        found = hull_census(chosen, com)
+        document = hull_census_document(chosen, found)
+    Reporter(json, quiet).document(document, show_census)
+    return PASSED if found.verdict == "monostable" else FAILED
 
 
 @app.command(name="body")
@@ -134,6 +144,88 @@ def bare_body(
         )
     reporter.document(document, show_body)
     return PASSED if document["verdict"] == "PASS" else FAILED
+
+
+@app.command()
+def check(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="A STEP, STL, 3MF, OBJ or PLY file.")],
+    com_mm: ComOption = None,
+    unit: Annotated[
+        str | None, typer.Option("--unit", help="Unit of an STL, OBJ or PLY file: um, mm, cm, m, in or ft.")
+    ] = None,
+    barrier_um: Annotated[
+        float | None,
+        typer.Option(
+            "--barrier-um",
+            metavar="E",
+            help="Poses with a lower barrier do not count; by default what the mesh resolves.",
+        ),
+    ] = None,
+    json: AsJson = False,
+    quiet: Quiet = False,
+) -> int:
+    """Count the poses in which any part rests, each with the barrier around it.
+
+    Exits with 1 when there is more than one, or that is undecided.
+    """
+    from gomboc_cad.documents import check_document
+    from gomboc_cad.solid.check import check_part
+
+    reporter = Reporter(json, quiet)
+    com = None if com_mm is None else _numbers("--com-mm", com_mm)
+    with reporter.stages(None) as progress:
+        found = check_part(file, com_mm=com, unit=unit, barrier_um=barrier_um, progress=progress)
+    reporter.document(check_document(found), show_check)
+    return PASSED if found.census.verdict == "monostable" else FAILED
+
+
+@app.command()
+def certify(
+    body: BodyName = None,
+    family: FamilyName = None,
+    beta: Beta = None,
+    coef: Coefficients = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="FILE", help="Where the certificate goes.")
+    ] = None,
+    verify: Annotated[
+        Path | None, typer.Option("--verify", metavar="FILE", help="Check a certificate instead.")
+    ] = None,
+    force: Force = False,
+    json: AsJson = False,
+    quiet: Quiet = False,
+) -> int:
+    """Prove from its exact decimals that a body has one stable and one unstable pose, or refute it.
+
+    With --verify every claim of a certificate is proven again. Exits with 1 when the body is not proven, or
+    the certificate not accepted.
+    """
+    from time import perf_counter
+
+    from gomboc_cad.documents import certificate_document, verification_document
+    from gomboc_cad.equilibria import certificate
+    from gomboc_cad.equilibria.certificate.checker import STAGES
+    from gomboc_cad.solid.output import write_bytes
+
+    reporter, begin = Reporter(json, quiet), perf_counter()
+    if verify is not None:
+        if body is not None or family is not None or output is not None:
+            raise GombocError("--verify takes a certificate and nothing else: neither a body nor --output.")
+        read = certificate.load(verify)
+        with reporter.stages(STAGES) as progress:
+            checked = certificate.verify(read, progress)
+        document = verification_document(read, checked, perf_counter() - begin)
+        reporter.document(document, show_certificate)
+        return PASSED if checked.accepted and read.status == "proven" else FAILED
+    parameters = _exact_parameters(body, family, beta, coef)
+    if output is not None:
+        _require_absent(output, force)
+    with reporter.stages(STAGES) as progress:
+        made = certificate.certify(parameters, progress)
+    if output is not None:
+        write_bytes(output, certificate.dumps(made).encode())
+    reporter.document(certificate_document(made, output, perf_counter() - begin), show_certificate)
+    return PASSED if made.status == "proven" else FAILED
 
 
 @app.command()
@@ -184,6 +276,23 @@ def _body(
         key, _, value = text.partition("=")
         terms[key.strip()] = _numbers("--coef", value, count=1)[0]
     return make_body(family or "", beta, terms, diameter_mm=diameter_mm)
+
+
+def _exact_parameters(
+    name: str | None, family: str | None, beta: float | None, coefficients: list[str] | None
+) -> Any:
+    """The decimals of the body that the options describe, as they were written."""
+    from gomboc_cad.body.catalogue import ExactParameters, exact_parameters
+
+    body = _body(name, family, beta, coefficients, diameter_mm=100.0)
+    return ExactParameters.of(body) if name is None else exact_parameters(name)
+
+
+def _require_absent(path: Path, force: bool) -> None:
+    if path.is_dir():
+        raise GombocError(f"{path} is a folder; name a file to write to.")
+    if path.exists() and not force:
+        raise GombocError(f"{path} is there already; give another name, or --force to replace it.")
 
 
 def _numbers(option: str, text: str, count: int = 3) -> list[float]:

@@ -32,10 +32,10 @@ class Reporter:
             show(document)
 
     @contextmanager
-    def stages(self, total: int) -> Iterator[Progress]:
+    def stages(self, total: int | None) -> Iterator[Progress]:
         """A progress bar over named stages on stderr, where that is a terminal.
 
-        The callback that it gives names the stage that begins.
+        The callback that it gives names the stage that begins. Without a total, only that is shown.
         """
         if self.quiet or not sys.stderr.isatty():
             yield silent
@@ -51,7 +51,8 @@ class Reporter:
         )
 
         text = TextColumn("{task.description}")
-        columns = (SpinnerColumn(), text, BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+        counted = () if total is None else (BarColumn(), MofNCompleteColumn())
+        columns = (SpinnerColumn(), text, *counted, TimeElapsedColumn())
         with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
             task = bar.add_task("starting", total=total)
             begun = False
@@ -110,16 +111,15 @@ def show_census(document: dict[str, Any]) -> None:
     )
     facts.add_row("strictly convex", "yes" if document["strictly_convex"] else "no")
     facts.add_row("smallest principal curvature", f"{document['min_curvature_per_mm']:.6g} per mm")
-    if document["stable"] is None:
-        facts.add_row("reason", document["reason"])
-        _print(facts)
-        return
     facts.add_row(
         "stable, saddle, unstable", f"{document['stable']}, {document['saddles']}, {document['unstable']}"
     )
     facts.add_row("volume", f"{document['volume_mm3']:.3f} mm³")
     facts.add_row("centre of mass", _vector(document["com_mm"], 6) + " mm")
     facts.add_row("height range", f"{document['height_range_mm']:.5g} mm")
+    if document["margin_mm"] is None:
+        _print(facts, *_reasons({"reasons": [document["reason"]]}), _barriers(document["equilibria"]))
+        return
     facts.add_row(
         "COM margin (S, U)",
         f"{document['margin_mm']:.5g} mm ({document['s_margin_mm']:.5g}, {document['u_margin_mm']:.5g})",
@@ -129,6 +129,66 @@ def show_census(document: dict[str, Any]) -> None:
     for pose in document["equilibria"]:
         poses.add_row(pose["kind"], _vector(pose["direction"], 5), f"{pose['height_mm']:.6f} mm")
     _print(facts, poses)
+
+
+def _barriers(poses: list[dict[str, Any]]) -> Any:
+    """Poses of a mesh with the barrier around each."""
+    table = _table(
+        "Equilibria that count", "kind", "direction that points down", "height of the COM", "barrier", "share"
+    )
+    for pose in poses:
+        barrier, share = pose["barrier_um"], pose["probability"]
+        table.add_row(
+            pose.get("kind", "stable"),
+            _vector(pose["direction"], 5),
+            f"{pose['height_mm']:.6f} mm",
+            "–" if barrier is None else f"{barrier:.4g} µm",
+            "–" if share is None else f"{100 * share:.1f} %",
+        )
+    return table
+
+
+def show_check(document: dict[str, Any]) -> None:
+    """What `gomboc-cad check` found of a part."""
+    facts = _table(f"{document['file']}, {document['kind']}: {document['verdict']}", "quantity", "value")
+    size = " × ".join(f"{length:.5g}" for length in document["size_mm"])
+    facts.add_row("size", f"{size} mm")
+    facts.add_row("watertight", "yes" if document["watertight"] else "no")
+    if document["volume_mm3"] is not None:
+        facts.add_row("volume", f"{document['volume_mm3']:.6g} mm³")
+    given = "given" if document["com_given"] else "homogeneous"
+    facts.add_row(f"centre of mass, {given}", _vector(document["com_mm"], 5) + " mm")
+    raw = document["raw"]
+    facts.add_row(
+        "faces of the hull that are stable, however low their barriers",
+        f"{raw['stable']} of {document['hull_facets']}",
+    )
+    facts.add_row("barrier that counts", f"{document['barrier_um']:.4g} µm")
+    facts.add_row("stable poses above it", str(document["stable"]))
+    _print(facts, *_reasons(document), _barriers(document["poses"]))
+
+
+def show_certificate(document: dict[str, Any]) -> None:
+    """A certificate, or the check of one."""
+    terms = [] if document["beta"] is None else [f"β = {document['beta']}"]
+    terms += [f"{key}: {value}" for key, value in document["coefficients"].items()]
+    verdict = {True: "accepted", False: "REJECTED", None: document["status"]}[document.get("accepted")]
+    facts = _table(f"{document['family']}, {', '.join(terms)}: {verdict}", "quantity", "value")
+    rows = {
+        "status": document["status"],
+        "stable, unstable": f"{document['stable']}, {document['unstable']}" if document["stable"] else None,
+        "principal curvatures above": document["curvature_above"],
+        "margin of the centre of mass at least": document["com_margin"],
+        "written to": document["file"],
+    }
+    for name, value in rows.items():
+        if value is not None:
+            facts.add_row(name, value)
+    if document["com_enclosure"] is not None:
+        for axis, (low, high) in zip("xyz", document["com_enclosure"], strict=True):
+            facts.add_row(f"centroid, {axis}", low if low == high else f"{low} to {high}")
+    facts.add_row("time", f"{document['seconds']:.2f} s")
+    _print(facts, *_reasons({"reasons": [document["reason"]]}))
 
 
 def show_body(document: dict[str, Any]) -> None:

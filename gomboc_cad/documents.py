@@ -6,10 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 from gomboc_cad.body import catalogue_entries
 from gomboc_cad.body.surface import Body
-from gomboc_cad.equilibria import Census, Convexity
+from gomboc_cad.equilibria import Census, Convexity, MeshEvidence
 from gomboc_cad.equilibria.records import Rest
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
+    from gomboc_cad.equilibria.certificate import Certificate, Verification
+    from gomboc_cad.solid.check import PartCheck
     from gomboc_cad.solid.inspect import FileInspection
 
 
@@ -85,16 +89,130 @@ def census_document(body: Body, census: Census) -> dict[str, Any]:
     }
 
 
-def not_convex_document(body: Body, curvature: Convexity, reason: str) -> dict[str, Any]:
-    """Keys of `gomboc-cad census` for a body that has no smooth census: what cannot be known is null."""
-    counts = ("stable", "unstable", "saddles", "equilibria", "rest")
-    lengths = ("height_range_mm", "margin_mm", "s_margin_mm", "u_margin_mm")
+def hull_census_document(body: Body, census: Census) -> dict[str, Any]:
+    """Keys of `gomboc-cad census` for a body that is not convex; what only a smooth census knows is null."""
+    mass, curvature, mesh = census.mass_properties, census.convexity, census.mesh
+    if mass is None or curvature is None or mesh is None:
+        raise TypeError("This document is for the census of the hull of a body.")
     return {
         **_shape_document(body, curvature),
-        **dict.fromkeys(counts + lengths),
-        "verdict": "not convex",
-        "reason": reason,
+        "stable": census.stable,
+        "unstable": census.unstable,
+        "saddles": census.saddles,
+        "raw": raw_document(mesh),
+        "barrier_um": 1e3 * mesh.barrier_mm,
+        "volume_mm3": mass.volume_mm3,
+        "centroid_mm": list(mass.com_mm),
+        "com_mm": list(census.com_mm),
+        "height_range_mm": census.height_range_mm,
+        **dict.fromkeys(("margin_mm", "s_margin_mm", "u_margin_mm")),
+        "rest": {
+            "direction": list(census.rest.direction),
+            "height_mm": census.rest.height_mm,
+            **dict.fromkeys(("stiffness_mm", "tilt_deg_per_um")),
+        },
+        "equilibria": [
+            {
+                "kind": equilibrium.kind,
+                "direction": list(equilibrium.direction),
+                "height_mm": equilibrium.height_mm,
+                "barrier_um": _um(equilibrium.barrier_mm),
+                "probability": equilibrium.probability,
+            }
+            for equilibrium in census.equilibria
+        ],
+        "verdict": census.verdict,
+        "reason": (
+            "Not strictly convex (principal curvature down to "
+            f"{curvature.min_curvature_per_mm:.4g} per mm), so the body rests on its convex hull. "
+            f"{census.reason}"
+        ),
     }
+
+
+def raw_document(mesh: MeshEvidence) -> dict[str, int]:
+    """The key `raw`: equilibria of the polyhedron, however low their barriers."""
+    return {"stable": mesh.raw_stable, "unstable": mesh.raw_unstable, "saddles": mesh.raw_saddles}
+
+
+def check_document(found: PartCheck) -> dict[str, Any]:
+    """Keys of `gomboc-cad check`."""
+    census, mesh = found.census, found.census.mesh
+    if mesh is None:
+        raise TypeError("This document is for the census of a mesh.")
+    return {
+        "file": found.file,
+        "kind": found.kind,
+        "unit": found.unit,
+        "watertight": found.watertight,
+        "volume_mm3": found.volume_mm3,
+        "com_mm": list(found.com_mm),
+        "com_given": found.com_given,
+        "centroid_mm": None if found.centroid_mm is None else list(found.centroid_mm),
+        "size_mm": list(found.size_mm),
+        "facets": found.facets,
+        "hull_facets": mesh.facets,
+        "raw": raw_document(mesh),
+        "neutral": mesh.neutral,
+        "sag_um": 1e3 * mesh.sag_mm,
+        "barrier_um": 1e3 * mesh.barrier_mm,
+        "lowest_counted_um": _um(mesh.lowest_counted_mm),
+        "highest_uncounted_um": _um(mesh.highest_uncounted_mm),
+        "uncounted_directions": [list(direction) for direction in mesh.uncounted_directions],
+        "stable": census.stable,
+        "unstable": census.unstable,
+        "saddles": census.saddles,
+        "height_range_mm": census.height_range_mm,
+        "poses": [
+            {
+                "direction": list(pose.direction),
+                "height_mm": pose.height_mm,
+                "barrier_um": _um(pose.barrier_mm),
+                "probability": pose.probability,
+                "probability_error": pose.probability_error,
+                "extent": pose.extent,
+            }
+            for pose in census.equilibria
+            if pose.kind == "stable"
+        ],
+        "verdict": census.verdict,
+        "reasons": [census.reason, *found.repairs, *found.notes],
+    }
+
+
+def certificate_document(made: Certificate, file: Path | None, seconds: float) -> dict[str, Any]:
+    """Keys of `gomboc-cad certify`; lengths in units of the nominal radius R₀."""
+    parameters = made.parameters
+    return {
+        "family": parameters.family,
+        "beta": parameters.beta,
+        "coefficients": dict(parameters.coefficients),
+        "file": None if file is None else str(file),
+        "status": made.status,
+        "strictly_convex": made.strictly_convex,
+        "stable": made.stable,
+        "unstable": made.unstable,
+        "com_enclosure": [list(interval) for interval in made.com_enclosure],
+        "volume_enclosure": list(made.volume_enclosure),
+        "curvature_above": made.convexity.curvature_above if made.convexity else None,
+        "com_margin": made.margin.com_margin if made.margin else None,
+        "seconds": seconds,
+        "reason": made.reason,
+    }
+
+
+def verification_document(read: Certificate, checked: Verification, seconds: float) -> dict[str, Any]:
+    """Keys of `gomboc-cad certify --verify`; of a certificate that is rejected no claim is repeated."""
+    document = certificate_document(read, None, seconds)
+    if not checked.accepted:
+        known = {"family", "beta", "coefficients", "seconds"}
+        document = {key: value if key in known else None for key, value in document.items()}
+        document["status"] = "undecided"
+    return {**document, "accepted": checked.accepted, "reason": checked.reason}
+
+
+def _um(length_mm: float | None) -> float | None:
+    return None if length_mm is None else 1e3 * length_mm
 
 
 def _shape_document(body: Body, curvature: Convexity) -> dict[str, Any]:

@@ -42,4 +42,4 @@ class OutputError(GombocError):
 
 
 class InspectionError(GombocError):
-    """A file could not be read back for inspection."""
+    """A file could not be read, or does not hold what is needed."""

@@ -95,12 +95,17 @@ def test_a_centre_of_mass_outside_the_zone_is_a_fail() -> None:
     assert json_of("census", "primary", "--com-mm", "-1,0,0")["stable"] == 1
 
 
-def test_what_cannot_be_known_of_a_dented_body_is_null() -> None:
+def test_a_dented_body_is_censused_on_its_hull() -> None:
     census = json_of("census", "second", code=1)
     assert census["strictly_convex"] is False
-    assert census["stable"] is None
+    assert (census["stable"], census["verdict"]) == (2, "multistable")
+    assert census["stable"] - census["saddles"] + census["unstable"] == 2
+    assert census["raw"]["stable"] > 1000
+    assert all(
+        pose["barrier_um"] > census["barrier_um"] for pose in census["equilibria"] if pose["kind"] == "stable"
+    )
     assert census["margin_mm"] is None
-    assert "not strictly convex" in census["reason"]
+    assert "Not strictly convex" in census["reason"]
 
 
 def test_the_build_has_the_contracts_keys(built_housing: BuiltHousing) -> None:

@@ -56,6 +56,16 @@ def test_mathematics_loads_only_numpy_and_scipy(room: str) -> None:
     assert loaded_after(f"import gomboc_cad.{room}\n") <= {"gomboc_cad", "numpy", "scipy"}
 
 
+def test_the_census_of_meshes_loads_only_what_scipys_graphs_load() -> None:
+    scipys = loaded_after("import scipy.sparse.csgraph, scipy.spatial\n")
+    assert loaded_after("from gomboc_cad.equilibria import mesh_census\n") <= {"gomboc_cad"} | scipys
+
+
+def test_the_certificate_loads_only_ball_arithmetic_besides() -> None:
+    loaded = loaded_after("import gomboc_cad.equilibria.certificate\n")
+    assert loaded <= {"gomboc_cad", "numpy", "scipy", "flint"}
+
+
 def test_help_loads_no_cad() -> None:
     show_help = (
         "import sys\n"

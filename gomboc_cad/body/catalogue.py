@@ -1,8 +1,14 @@
-"""The catalogue of bodies, and bodies made from a family and its coefficients."""
+"""The catalogue of bodies, and bodies made from a family and its coefficients.
+
+A body of the catalogue is `proven` or `refuted` because a certificate for exactly its decimals is shipped
+beside it, in `certificates/`; without one it is only `computed`. The tests prove each of them again.
+"""
 
 from __future__ import annotations
 
 import difflib
+import hashlib
+import json
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -17,6 +23,12 @@ from gomboc_cad.errors import BodyError
 
 Family = Literal["sloan1", "sloan2", "extended", "harmonic"]
 Status = Literal["proven", "computed", "refuted"]
+
+INDEX_NAME = "index.json"
+"""File that lists the shipped certificates with their digests, so that the catalogue need not read them."""
+
+_FOLDER = resources.files("gomboc_cad.body")
+_CERTIFICATES = _FOLDER.joinpath("certificates")
 
 
 @dataclass(frozen=True)
@@ -47,7 +59,7 @@ class CatalogueEntry:
         body: The body at the default size.
         beta: Amplitude β, None for harmonic bodies.
         coefficients: Coefficients by key: `"k"` for Fourier terms, `"l,m"` for harmonics.
-        status: `proven`, `computed` or `refuted`.
+        status: `proven` or `refuted` by the shipped certificate, or only `computed`.
         reason: Why it has that status.
         source: Where the parameters come from.
         evidence: Computed figures.
@@ -62,25 +74,109 @@ class CatalogueEntry:
     evidence: Evidence
 
 
+@dataclass(frozen=True)
+class ExactParameters:
+    """The numbers of a body as decimals, which a proof starts from; floats would already be rounded.
+
+    Attributes:
+        family: Family, as for `make_body`.
+        beta: Decimal of β; None for a family without one.
+        coefficients: Decimals by key.
+    """
+
+    family: str
+    beta: str | None
+    coefficients: Mapping[str, str]
+
+    @classmethod
+    def of(cls, body: Body) -> ExactParameters:
+        """The shortest decimals that read back as the body's floats.
+
+        These are the decimals that were typed, if they had 15 digits at most.
+        """
+        shape = body.shape
+        if not isinstance(shape, FourierSloan):
+            return cls(shape.family, None, MappingProxyType({}))
+        coefficients = MappingProxyType({str(k): repr(a) for k, a in shape.terms})
+        return cls(shape.family, repr(shape.beta), coefficients)
+
+
 @lru_cache(maxsize=1)
 def catalogue_entries() -> Mapping[str, CatalogueEntry]:
     """Read the catalogue: entries by name, in the order of the file."""
-    text = resources.files("gomboc_cad.body").joinpath("catalogue.toml").read_text(encoding="utf-8")
-    return MappingProxyType({name: _entry(name, data) for name, data in tomllib.loads(text).items()})
+    return MappingProxyType({name: _entry(name, data) for name, data in _catalogue_data().items()})
+
+
+def catalogue_names() -> tuple[str, ...]:
+    """Names of the catalogue, in the order of the file."""
+    return tuple(_catalogue_data())
+
+
+def exact_parameters(name: str) -> ExactParameters:
+    """The decimals of a catalogue body as the catalogue has them.
+
+    Raises:
+        BodyError: If there is no body of that name.
+    """
+    _require_known(name)
+    return _exact(_catalogue_data()[name])
+
+
+def shipped_certificate(name: str) -> bytes | None:
+    """The certificate that is shipped for a catalogue body, as it was written; None if there is none.
+
+    Raises:
+        BodyError: If there is no body of that name.
+    """
+    _require_known(name)
+    file = _CERTIFICATES.joinpath(f"{name}.json")
+    return file.read_bytes() if file.is_file() else None
+
+
+@lru_cache(maxsize=1)
+def _catalogue_data() -> dict[str, dict[str, Any]]:
+    """The catalogue's tables, with every decimal as it is written."""
+    text = _FOLDER.joinpath("catalogue.toml").read_text(encoding="utf-8")
+    return tomllib.loads(text, parse_float=str)
+
+
+def _exact(data: dict[str, Any]) -> ExactParameters:
+    return ExactParameters(data["family"], data.get("beta"), MappingProxyType(data.get("coefficients", {})))
 
 
 def _entry(name: str, data: dict[str, Any]) -> CatalogueEntry:
-    coefficients = {str(key): float(value) for key, value in data.get("coefficients", {}).items()}
-    body = make_body(data["family"], data.get("beta"), coefficients, name=name)
+    exact = _exact(data)
+    beta = None if exact.beta is None else float(exact.beta)
+    coefficients = {key: float(value) for key, value in exact.coefficients.items()}
     return CatalogueEntry(
-        body=body,
-        beta=data.get("beta"),
+        body=make_body(exact.family, beta, coefficients, name=name),
+        beta=beta,
         coefficients=MappingProxyType(coefficients),
-        status=data["status"],
+        status=_status(name, exact),
         reason=data["reason"],
         source=data["source"],
-        evidence=Evidence(**data["evidence"]),
+        evidence=Evidence(**{key: float(value) for key, value in data["evidence"].items()}),
     )
+
+
+def _status(name: str, exact: ExactParameters) -> Status:
+    """What the shipped certificate says, if the index knows these bytes as one for these decimals."""
+    known = _certificate_index().get(name)
+    certificate = shipped_certificate(name)
+    if known is None or certificate is None or ExactParameters(**known["parameters"]) != exact:
+        return "computed"
+    if hashlib.sha256(certificate).hexdigest() != known["sha256"] or known["status"] == "undecided":
+        return "computed"
+    status: Status = known["status"]
+    return status
+
+
+@lru_cache(maxsize=1)
+def _certificate_index() -> dict[str, dict[str, Any]]:
+    index: dict[str, dict[str, Any]] = json.loads(
+        _CERTIFICATES.joinpath(INDEX_NAME).read_text(encoding="utf-8")
+    )
+    return index
 
 
 def catalog() -> Mapping[str, Body]:
@@ -94,13 +190,17 @@ def named_body(name: str, diameter_mm: float = 2.0 * DEFAULT_RADIUS_MM) -> Body:
     Raises:
         BodyError: If there is no body of that name; the sentence offers the nearest names.
     """
-    bodies = catalog()
-    if name not in bodies:
-        near = difflib.get_close_matches(name, bodies, n=2) or list(bodies)
+    _require_known(name)
+    return catalog()[name].with_diameter(diameter_mm)
+
+
+def _require_known(name: str) -> None:
+    names = _catalogue_data()
+    if name not in names:
+        near = difflib.get_close_matches(name, names, n=2) or list(names)
         raise BodyError(
             f"There is no body named {name!r} in the catalogue; did you mean {' or '.join(near)}?"
         )
-    return bodies[name].with_diameter(diameter_mm)
 
 
 def make_body(

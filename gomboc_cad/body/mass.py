@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from gomboc_cad.body.sphere import Array, IntArray
+from gomboc_cad.body.sphere import Array, IntArray, cross
 from gomboc_cad.body.surface import Body
 from gomboc_cad.errors import BodyError
 
@@ -112,7 +112,7 @@ def mesh_mass(vertices_mm: Array, faces: IntArray) -> MassProperties:
     # Tetrahedra from a point amid the mesh lose fewer digits than from a distant origin.
     pivot = vertices_mm.mean(axis=0)
     corners = (vertices_mm - pivot)[faces]
-    six_volumes = np.einsum("nx,nx->n", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
+    six_volumes = np.einsum("nx,nx->n", corners[:, 0], cross(corners[:, 1], corners[:, 2]))
     volume = six_volumes.sum() / 6.0
     total = corners.sum(axis=1)
     centroid = six_volumes @ total / (24.0 * volume)

@@ -14,7 +14,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order
 from scipy.spatial import ConvexHull, QhullError
 
-from gomboc_cad.body.sphere import Array, BoolArray, IntArray, lengths
+from gomboc_cad.body.sphere import Array, BoolArray, IntArray, cross, lengths
 from gomboc_cad.errors import CensusError
 
 _SINGLE = 2.0**-24
@@ -139,7 +139,7 @@ def _oriented(
     """Turn all triangles counter-clockwise; give them and the twin of each half-edge 3 t + k."""
     count = len(triangles)
     a, b, c = (points[triangles[:, k]] for k in range(3))
-    outward = np.einsum("nx,nx->n", np.cross(b - a, c - a), equations[:, :3])
+    outward = np.einsum("nx,nx->n", cross(b - a, c - a), equations[:, :3])
     flipped = outward < 0.0
     triangles, neighbors = triangles.copy(), neighbors.copy()
     _swap(triangles, neighbors, flipped)
@@ -202,7 +202,7 @@ def _merged(
     """
     count = len(triangles)
     a, b, c = (points[triangles[:, k]] for k in range(3))
-    area = lengths(np.cross(b - a, c - a))
+    area = lengths(cross(b - a, c - a))
     rank = np.empty(count, dtype=np.int64)
     rank[np.argsort(area, kind="stable")] = np.arange(count)
 
@@ -259,9 +259,9 @@ def _assemble(
         inside = inside[~rim[ahead[inside]]]
     compact = np.cumsum(rim) - 1
     a, b, c = (scaled[triangles[:, k]] for k in range(3))
-    corners = triangles[_largest(faces, lengths(np.cross(b - a, c - a)))]
+    corners = triangles[_largest(faces, lengths(cross(b - a, c - a)))]
     a, b, c = (scaled[corners[:, k]] for k in range(3))
-    normals = np.cross(b - a, c - a)
+    normals = cross(b - a, c - a)
     normals /= lengths(normals)[:, None]
     origin = triangles.ravel()[rim]
     polyhedron = Polyhedron(

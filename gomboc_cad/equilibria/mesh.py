@@ -11,6 +11,7 @@ height is wrong to one side only, and every barrier by one sag at most.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +20,7 @@ from gomboc_cad.body.mass import MassProperties, mesh_mass
 from gomboc_cad.body.sphere import Array, BoolArray, IntArray, tangent_frame
 from gomboc_cad.equilibria.convexity import as_point
 from gomboc_cad.equilibria.extent import Relief
-from gomboc_cad.equilibria.hull import convex_polyhedron
+from gomboc_cad.equilibria.hull import convex_polyhedron, coordinate_precision_mm
 from gomboc_cad.equilibria.persistence import MergeTree, merge_tree
 from gomboc_cad.equilibria.polyhedron import Landscape, landscape
 from gomboc_cad.equilibria.records import (
@@ -34,7 +35,7 @@ from gomboc_cad.equilibria.records import (
 )
 from gomboc_cad.equilibria.release import Shares, release_shares
 from gomboc_cad.equilibria.resolution import com_shift_mm, edge_sags_mm
-from gomboc_cad.errors import CensusError
+from gomboc_cad.errors import CensusError, DegenerateEquilibriaError
 
 _ROUGHEST = 0.36
 """Highest barrier that the facets of a mesh make on their own, in units of the sag that is estimated for it.
@@ -44,6 +45,12 @@ Found: 0.34 on cylinders, 0.1 to 0.34 on spheres, ellipsoids and Sloan bodies of
 
 _COARSEST = 0.06
 """A mesh whose barrier is a larger part of the height range can hide a second rest of any consequence."""
+
+_MOST_DOUBT = 0.1
+"""Where the roughness of the mesh decides about more of the orientations, probabilities are not given."""
+
+_WELDS = (10.0, 30.0, 100.0, 300.0, 1000.0)
+"""Sizes, in rounding errors, of the cells within which vertices may be taken for one."""
 
 _MOST_EXTENTS = 64
 _MOST_PLACES = 10
@@ -74,6 +81,7 @@ def mesh_census(
     Raises:
         CensusError: If the mesh is flat or empty, no triangle bounds it, an index or coordinate is no
             number, the COM lies outside the hull, or an option is negative.
+        DegenerateEquilibriaError: If rounding makes the counts contradict Poincaré–Hopf.
     """
     points, faces = _checked(vertices, faces, barrier_mm, sag_mm)
     mass = mesh_mass(points, faces) if _is_closed(faces, len(points)) else None
@@ -84,8 +92,8 @@ def mesh_census(
         )
     center = as_point(mass.com_mm if com is None and mass is not None else com if com is not None else ())
     used = np.flatnonzero(np.bincount(faces.ravel()))
-    polyhedron = convex_polyhedron(points[used])
-    ground = landscape(polyhedron, center)
+    ground = _ground(points[used], center)
+    polyhedron = ground.polyhedron
     sags = edge_sags_mm(polyhedron)
     sag = float(sags.max()) if sag_mm is None else sag_mm
     uncertainty = sag + polyhedron.precision_mm
@@ -112,11 +120,30 @@ def _checked(
     return points, triangles.astype(np.int64, copy=False)
 
 
+def _ground(points: Array, center: Array) -> Landscape:
+    """The landscape of the hull; vertices that rounding does not keep apart are made one if need be."""
+    try:
+        return landscape(convex_polyhedron(points), center)
+    except DegenerateEquilibriaError:
+        rounding = coordinate_precision_mm(points)
+    for factor in _WELDS:
+        width = factor * rounding
+        first = np.unique(np.round(points / width), axis=0, return_index=True)[1]
+        with suppress(DegenerateEquilibriaError):
+            return landscape(convex_polyhedron(points[np.sort(first)], width), center)
+    return landscape(convex_polyhedron(points), center)
+
+
 def _is_closed(faces: IntArray, count: int) -> bool:
     """Whether each directed edge has one partner that runs back."""
     start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-    forth, back = np.sort(start * count + end), np.sort(end * count + start)
-    return bool(np.array_equal(forth, back) and not np.any(forth[1:] == forth[:-1]))
+    if len(start) % 2:
+        return False
+    # An edge and its partner differ in the last bit only, so they are neighbours in order.
+    keys = 2 * (np.minimum(start, end) * count + np.maximum(start, end)) + (start > end)
+    keys.sort()
+    forth, back = keys[0::2], keys[1::2]
+    return bool(np.all((forth % 2 == 0) & (back == forth + 1)) and np.all(np.diff(forth) > 0))
 
 
 class _Side(NamedTuple):
@@ -226,13 +253,14 @@ def _poses(
         doubtful = ~counted & (floors > (floors + climbs)[home] - uncertainty)
         number = np.cumsum(counted) - 1
         shares = release_shares(ground, number[home][low.tree.basin], doubtful[low.tree.basin], len(chosen))
+    known = shares is not None and shares.doubtful <= _MOST_DOUBT
     return [
         Equilibrium(
             kind="stable",
             direction=as_vector(ground.polyhedron.normals[low.tree.bottom[basin]]),
             height_mm=float(low.heights[low.tree.bottom[basin]]),
             barrier_mm=_finite(climbs[basin]),
-            probability=None if shares is None else float(shares.of_pose[k]),
+            probability=float(shares.of_pose[k]) if shares is not None and known else None,
             probability_error=None if shares is None else shares.doubtful,
             extent=_extent(low, basin, barrier, len(chosen)),
         )

@@ -15,10 +15,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gomboc_cad.body.sphere import Array, BoolArray, IntArray, lengths
+from gomboc_cad.body.sphere import Array, BoolArray, IntArray, cross, lengths
 from gomboc_cad.equilibria.hull import Polyhedron
 from gomboc_cad.equilibria.predicates import foot_ahead_of_end, foot_inside_of_edge
-from gomboc_cad.errors import CensusError
+from gomboc_cad.errors import CensusError, DegenerateEquilibriaError
 
 _NUDGE = np.array([0.62, -0.55, 0.56])
 _NUDGES = 5
@@ -85,7 +85,8 @@ def landscape(polyhedron: Polyhedron, com_mm: Array) -> Landscape:
         com_mm: The COM, shape (3,).
 
     Raises:
-        CensusError: If the COM lies outside, or the counts contradict Poincaré–Hopf.
+        CensusError: If the COM lies outside.
+        DegenerateEquilibriaError: If the counts contradict Poincaré–Hopf.
     """
     points = polyhedron.points_mm
     face_height = np.einsum("nx,nx->n", points[polyhedron.corners[:, 0]] - com_mm, polyhedron.normals)
@@ -102,7 +103,7 @@ def landscape(polyhedron: Polyhedron, com_mm: Array) -> Landscape:
         if found.stable.sum() - found.saddles.sum() + found.unstable.sum() == 2:
             return found
         center = com_mm + (k + 1) * polyhedron.precision_mm * np.roll(_NUDGE, k)
-    raise CensusError(
+    raise DegenerateEquilibriaError(
         "The equilibria of the mesh contradict S − H + U = 2, because faces are flat within rounding only; "
         "remesh the part, or give its coordinates with more digits."
     )
@@ -150,7 +151,7 @@ def _all(flags: BoolArray, owner: IntArray, count: int) -> BoolArray:
 
 def _distance_to_line(start: Array, end: Array, com: Array) -> Array:
     along = (end - start) / lengths(end - start)[:, None]
-    result: Array = lengths(np.cross(com - start, along))
+    result: Array = lengths(cross(com - start, along))
     return result
 
 

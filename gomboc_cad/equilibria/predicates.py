@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gomboc_cad.body.sphere import Array, BoolArray, IntArray, lengths
+from gomboc_cad.body.sphere import Array, BoolArray, IntArray, cross, lengths
 
 Triple = tuple[Fraction, Fraction, Fraction]
 
@@ -85,10 +85,10 @@ def foot_inside_of_edge(
     """
     p, q, r = (points[corners[:, k]] for k in range(3))
     one, two = q - p, r - p
-    normal, sides = np.cross(one, two), lengths(one) + lengths(two)
+    normal, sides = cross(one, two), lengths(one) + lengths(two)
     size = (lengths(one) * lengths(two))[face]
     along, arm = points[end] - points[start], com - points[start]
-    value = np.einsum("nx,nx->n", normal[face], np.cross(along, arm))
+    value = np.einsum("nx,nx->n", normal[face], cross(along, arm))
     coordinate = float(max(np.abs(points).max(), np.abs(com).max()))
     width, reach = lengths(along), lengths(arm)
     rounding = width * reach * sides[face] + size * (width + reach)

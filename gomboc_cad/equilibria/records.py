@@ -57,8 +57,8 @@ class Equilibrium:
             another equilibrium of the same kind; None if there is no other, or where it was not computed.
         probability: Share of the orientations from which a quasi-static release ends in this stable pose;
             None for other kinds, or where it was not computed.
-        probability_error: Share of the orientations for which the roughness of the mesh decides between this
-            and another pose.
+        probability_error: Share of the orientations for which the roughness of the mesh decides between two
+            poses; where it is large, there is no probability.
         extent: `point`, or `ring` or `sphere` where the body balances neutrally all along one, up to the
             barrier of the census.
     """

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gomboc_cad.body.sphere import Array, BoolArray, IntArray, geodesic_triangulation, subdivide, unit
+from gomboc_cad.body.sphere import Array, BoolArray, IntArray, cross, geodesic_triangulation, subdivide, unit
 from gomboc_cad.equilibria.polyhedron import Landscape
 
 _START_LEVEL = 4
@@ -68,7 +68,7 @@ def release_shares(landscape: Landscape, pose_of_face: IntArray, doubtful: BoolA
 def _spherical_area(corners: Array) -> Array:
     """Area of spherical triangles, shape (n, 3, 3): van Oosterom and Strackee, IEEE BME-30 (1983) 125."""
     a, b, c = corners.transpose(1, 0, 2)
-    triple = np.einsum("nx,nx->n", a, np.cross(b, c))
+    triple = np.einsum("nx,nx->n", a, cross(b, c))
     ab, bc, ca = (np.einsum("nx,nx->n", p, q) for p, q in ((a, b), (b, c), (c, a)))
     result: Array = 2.0 * np.arctan2(triple, 1.0 + ab + bc + ca)
     return result
@@ -157,7 +157,7 @@ class _Flow:
     def _exit(self, vertex: IntArray, u: Array) -> IntArray:
         """The half-edge over whose arc the great circle from a vertex's direction through u leaves."""
         p = self._polyhedron
-        plane = np.cross(self._toward[vertex], u)
+        plane = cross(self._toward[vertex], u)
         edge = self._first[vertex]
         start, turning = edge.copy(), np.arange(len(vertex))
         while len(turning):
@@ -173,7 +173,7 @@ class _Flow:
         """Where that great circle meets the arc."""
         p = self._polyhedron
         left, right = p.normals[p.face[edge]], p.normals[p.face[p.twin[edge]]]
-        point = np.cross(np.cross(right, left), np.cross(self._toward[vertex], u))
+        point = cross(cross(right, left), cross(self._toward[vertex], u))
         length = np.linalg.norm(point, axis=1)
         middle = left + right
         # Without a crossing, as when u is the direction of the vertex itself, the middle of the arc will do.

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gomboc_cad.body.sphere import Array, lengths
+from gomboc_cad.body.sphere import Array, cross, lengths
 from gomboc_cad.equilibria.hull import Polyhedron
 
 LARGEST_SMOOTH_FOLD_DEG = 30.0
@@ -30,11 +30,11 @@ def edge_sags_mm(polyhedron: Polyhedron) -> Array:
     sums = [np.bincount(face, start[:, k], polyhedron.face_count) for k in range(3)]
     middle: Array = np.stack(sums, axis=1) / corners[:, None]
     along = (end - start) / lengths(end - start)[:, None]
-    depth = lengths(np.cross(middle[face] - start, along))
+    depth = lengths(cross(middle[face] - start, along))
     # The middle of a triangle lies at a third of its width, that of a strip at half of it.
     width = np.where(corners[face] == 3, 3.0, 2.0) * depth
-    one, other = polyhedron.normals[face], polyhedron.normals[face[polyhedron.twin]]
-    fold = np.arctan2(lengths(np.cross(one, other)), np.einsum("nx,nx->n", one, other))
+    chord = lengths(polyhedron.normals[face] - polyhedron.normals[face[polyhedron.twin]])
+    fold = 2.0 * np.arcsin(np.minimum(1.0, 0.5 * chord))
     sag = _SAG_PER_FOLD_AND_WIDTH * fold * np.minimum(width, width[polyhedron.twin])
     return np.where(np.degrees(fold) < LARGEST_SMOOTH_FOLD_DEG, sag, 0.0)
 
@@ -54,7 +54,7 @@ def com_shift_mm(polyhedron: Polyhedron, sags_mm: Array, com_mm: Array, volume_m
     points, face, count = polyhedron.points_mm, polyhedron.face, polyhedron.face_count
     anchor = points[polyhedron.corners[:, 0]][face]
     start, end = points[polyhedron.origin], points[polyhedron.target]
-    triangle = 0.5 * np.einsum("nx,nx->n", np.cross(start - anchor, end - anchor), polyhedron.normals[face])
+    triangle = 0.5 * np.einsum("nx,nx->n", cross(start - anchor, end - anchor), polyhedron.normals[face])
     moment = triangle[:, None] * ((anchor + start + end) / 3.0 - com_mm)
     sag = np.zeros(count)
     np.maximum.at(sag, face, sags_mm)

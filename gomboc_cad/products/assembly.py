@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -79,6 +80,21 @@ class Assembly:
     def com_mm(self) -> Vector:
         """Centre of mass `Σ mᵢ pᵢ / Σ mᵢ`."""
         return as_vector(center_of_mass([(part.mass_g, part.com_mm) for part in self.parts]))
+
+    def com_with(self, solids: Mapping[str, Solid]) -> Vector:
+        """Centre of mass with some homogeneous parts replaced by other solids of the same material.
+
+        Args:
+            solids: The other solids by the name of the part.
+        """
+        masses = []
+        for part in self.parts:
+            if part.name in solids:
+                other = solid_mass(solids[part.name])
+                masses.append((part.mass_g * other.volume_mm3 / part.volume_mm3, other.com_mm))
+            else:
+                masses.append((part.mass_g, part.com_mm))
+        return as_vector(center_of_mass(masses))
 
     @property
     def com_residual_um(self) -> float:

@@ -10,7 +10,8 @@ from typing import Any
 from gomboc_cad.body import Body, catalogue_entries, mass_properties
 from gomboc_cad.documents import file_document, rest_document
 from gomboc_cad.errors import SpecError
-from gomboc_cad.products.verdict import judge
+from gomboc_cad.products.inheritance import inheritance_document, inheritance_reasons, inherited
+from gomboc_cad.products.verdict import Verdict, judge
 from gomboc_cad.progress import Progress, silent
 from gomboc_cad.solid.audit import require_pymeshlab
 from gomboc_cad.solid.boundary import Boundary
@@ -21,7 +22,8 @@ from gomboc_cad.solid.mesh import body_mesh
 from gomboc_cad.solid.offset import InsetSurface
 from gomboc_cad.solid.output import open_output
 from gomboc_cad.solid.patches import body_solid, default_deviation_um, max_deviation_um
-from gomboc_cad.solid.step import NamedSolid
+from gomboc_cad.solid.step import NamedSolid, read_step
+from gomboc_cad.solid.transfer import Transfer
 
 FORMATS = ("step", "stl", "3mf")
 STAGES = 5
@@ -98,6 +100,7 @@ def write_body(
         entry = catalogue_entries().get(body.name)
         refuted = (entry.reason,) if entry is not None and entry.status == "refuted" else ()
         verdict = judge(body, model.com_mm, refuted + problems_of(found))
+        transferred = _transfer(body, verdict, [path for path in paths if path.suffix == ".step"])
     measured = solid_mass(solid)
     census = verdict.census
     return {
@@ -111,9 +114,18 @@ def write_body(
         "com_mm": list(measured.com_mm),
         "s_margin_mm": census.margin.s_margin_mm if census and census.margin else None,
         "rest": rest_document(census.rest) if census else None,
+        "transfer": inheritance_document(transferred),
         "verdict": verdict.verdict,
-        "reasons": list(verdict.reasons),
+        "reasons": [*verdict.reasons, *inheritance_reasons(transferred)],
     }
+
+
+def _transfer(body: Body, verdict: Verdict, steps: list[Path]) -> Transfer | str | None:
+    """Whether the STEP file as read back has the census of the body; None if there is nothing to compare."""
+    if verdict.census is None or not steps:
+        return None
+    solids = [part.solid for part in read_step(steps[0])]
+    return inherited(solids, body, verdict.census, solid_mass(solids[0]).com_mm)
 
 
 def _promised_deviation_um(body: Body, asked_um: float | None) -> float:

@@ -14,6 +14,7 @@ from gomboc_cad.equilibria.records import as_vector
 from gomboc_cad.products.assembly import Assembly
 from gomboc_cad.products.body_spec import require_verified
 from gomboc_cad.products.imu_housing import LOWER, UPPER, HousingDesign, design_imu_housing
+from gomboc_cad.products.inheritance import inheritance_document, inheritance_reasons, inherited
 from gomboc_cad.products.spec import load_spec, spec_path
 from gomboc_cad.products.verdict import Sensitivity, Verdict, judge, tilt_from_com_error_deg
 from gomboc_cad.progress import Progress, silent
@@ -23,7 +24,8 @@ from gomboc_cad.solid.export import NamedMesh, write_3mf, write_step, write_stl
 from gomboc_cad.solid.inspect import Expected, FileInspection, inspect_file, problems_of
 from gomboc_cad.solid.output import open_output, write_bytes
 from gomboc_cad.solid.patches import default_deviation_um
-from gomboc_cad.solid.step import NamedSolid
+from gomboc_cad.solid.step import NamedSolid, read_step
+from gomboc_cad.solid.transfer import Transfer
 
 STAGES = 7
 VERDICT_FILE = "verdict.json"
@@ -75,7 +77,8 @@ def build_product(
         found = [inspect_file(staging / name, parts, audit) for name, parts in expected.items()]
         progress("judging")
         verdict = judge(body, design.assembly.com_mm, _problems(design, found))
-        document = _document(design, verdict, found)
+        transferred = _transfer(design, verdict, staging)
+        document = _document(design, verdict, found, transferred)
         text = json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
         write_bytes(staging / VERDICT_FILE, text.encode())
     # Not in the file, which is to be the same wherever it is written.
@@ -146,7 +149,21 @@ def _sensitivities(design: HousingDesign, verdict: Verdict) -> list[Sensitivity]
     ]
 
 
-def _document(design: HousingDesign, verdict: Verdict, found: list[FileInspection]) -> dict[str, Any]:
+def _transfer(design: HousingDesign, verdict: Verdict, staging: Path) -> Transfer | str | None:
+    """Whether the halves as read back have the census of the body; None if there is none to compare with."""
+    if verdict.census is None:
+        return None
+    halves = {name: read_step(staging / f"{name}.step")[0].solid for name in (LOWER, UPPER)}
+    exported = design.assembly.com_with(halves)
+    return inherited(list(halves.values()), design.body, verdict.census, exported)
+
+
+def _document(
+    design: HousingDesign,
+    verdict: Verdict,
+    found: list[FileInspection],
+    transferred: Transfer | str | None,
+) -> dict[str, Any]:
     """The JSON document of a build."""
     assembly, census = design.assembly, verdict.census
     margin = census.margin if census else None
@@ -185,8 +202,13 @@ def _document(design: HousingDesign, verdict: Verdict, found: list[FileInspectio
             {"source": item.source, "com_error_um": item.com_error_um, "tilt_deg": item.tilt_deg}
             for item in sensitivities
         ],
+        "transfer": inheritance_document(transferred),
         "verdict": verdict.verdict,
-        "reasons": [*verdict.reasons, *map(_sentence, sensitivities)],
+        "reasons": [
+            *verdict.reasons,
+            *inheritance_reasons(transferred),
+            *map(_sentence, sensitivities),
+        ],
     }
 
 

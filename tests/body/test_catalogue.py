@@ -2,22 +2,33 @@
 
 from __future__ import annotations
 
+import json
 import math
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
 
 import pytest
 
 from gomboc_cad.body import FourierSloan, Harmonic, catalog, catalogue_entries, make_body
-from gomboc_cad.body.catalogue import named_body
+from gomboc_cad.body import catalogue as catalogue_module
+from gomboc_cad.body.catalogue import (
+    CatalogueEntry,
+    ExactParameters,
+    catalogue_names,
+    exact_parameters,
+    named_body,
+    shipped_certificate,
+)
 from gomboc_cad.equilibria import convexity, smooth_census
 from gomboc_cad.errors import BodyError
 
-COMPUTED = ["primary", "sloan2-0.020", "sloan2-0.030", "sloan2-0.035"]
+PROVEN = ["primary", "sloan2-0.020", "sloan2-0.030", "sloan2-0.035", "second-convex", "third-convex"]
 REFUTED = ["second", "third"]
 
 
 def test_names_and_statuses() -> None:
     assert {name: entry.status for name, entry in catalogue_entries().items()} == {
-        **dict.fromkeys(COMPUTED, "computed"),
+        **dict.fromkeys(PROVEN, "proven"),
         **dict.fromkeys(REFUTED, "refuted"),
     }
     for entry in catalogue_entries().values():
@@ -33,19 +44,72 @@ def test_the_primary_carries_the_full_precision_coefficients() -> None:
     assert entry.body.shape == FourierSloan(0.023149, ((1, 0.234433),))
 
 
-@pytest.mark.parametrize("name", COMPUTED + REFUTED)
+@pytest.fixture
+def read_again() -> Iterator[Callable[[], Mapping[str, CatalogueEntry]]]:
+    """Read the catalogue anew, and once more when the test is over."""
+
+    def forget() -> None:
+        catalogue_entries.cache_clear()
+        catalogue_module._certificate_index.cache_clear()
+
+    def read() -> Mapping[str, CatalogueEntry]:
+        forget()
+        return catalogue_entries()
+
+    yield read
+    forget()
+
+
+@pytest.mark.parametrize("damage", ["certificate", "parameters", "no certificate", "not in the index"])
+def test_a_certificate_counts_only_for_its_own_bytes_and_decimals(
+    damage: str,
+    read_again: Callable[[], Mapping[str, CatalogueEntry]],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+) -> None:
+    for name in catalogue_names():
+        (tmp_path / f"{name}.json").write_bytes(shipped_certificate(name) or b"")
+    index = json.loads((catalogue_module._CERTIFICATES / catalogue_module.INDEX_NAME).read_text("utf-8"))
+    primary = tmp_path / "primary.json"
+    if damage == "certificate":
+        primary.write_bytes(primary.read_bytes() + b" ")
+    elif damage == "parameters":
+        index["primary"]["parameters"]["beta"] = "0.0231490"
+    elif damage == "no certificate":
+        primary.unlink()
+    else:
+        del index["primary"]
+    (tmp_path / catalogue_module.INDEX_NAME).write_text(json.dumps(index), encoding="utf-8")
+    monkeypatch.setattr(catalogue_module, "_CERTIFICATES", tmp_path)
+    entries = read_again()
+    assert entries["primary"].status == "computed"
+    assert entries["sloan2-0.030"].status == "proven"
+
+
+def test_exact_parameters_are_the_decimals_of_the_file() -> None:
+    assert exact_parameters("primary") == ExactParameters("extended", "0.023149", {"1": "0.234433"})
+    assert exact_parameters("sloan2-0.030") == ExactParameters("sloan2", "0.03", {})
+    for name, entry in catalogue_entries().items():
+        assert ExactParameters.of(entry.body) == exact_parameters(name)
+    with pytest.raises(BodyError, match="no body named"):
+        exact_parameters("zzz")
+    with pytest.raises(BodyError, match="no body named"):
+        shipped_certificate("../catalogue")
+
+
+@pytest.mark.parametrize("name", PROVEN + REFUTED)
 def test_the_recorded_curvatures_are_what_the_search_finds(name: str) -> None:
     entry = catalogue_entries()[name]
     found = convexity(entry.body.with_diameter(2.0))
-    tolerance = 2e-6 if entry.status == "computed" else 2e-4
+    tolerance = 2e-6 if entry.status == "proven" else 2e-4
     assert found.min_curvature_per_mm == pytest.approx(entry.evidence.min_curvature, abs=tolerance)
     assert found.min_gaussian_curvature_per_mm2 == pytest.approx(
         entry.evidence.min_gaussian_curvature, abs=tolerance
     )
-    assert found.strictly_convex == (entry.status == "computed")
+    assert found.strictly_convex == (entry.status == "proven")
 
 
-@pytest.mark.parametrize("name", COMPUTED)
+@pytest.mark.parametrize("name", PROVEN)
 def test_the_recorded_margins_and_counts_are_what_the_census_finds(name: str) -> None:
     entry = catalogue_entries()[name]
     census = smooth_census(entry.body.with_diameter(2.0))

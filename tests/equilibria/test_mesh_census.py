@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.stats import special_ortho_group
 
 from gomboc_cad.body import catalog
-from gomboc_cad.body.sphere import geodesic_triangulation
+from gomboc_cad.body.sphere import fibonacci_directions, geodesic_triangulation
 from gomboc_cad.equilibria import Census, mesh_census, smooth_census
 from gomboc_cad.equilibria.hull import convex_polyhedron
 from gomboc_cad.errors import CensusError
@@ -252,6 +252,13 @@ def test_poses_come_with_the_lowest_first_and_probabilities_that_sum_to_one() ->
     assert sum(e.probability for e in poses if e.probability is not None) == pytest.approx(1.0)
 
 
+def test_probabilities_that_the_roughness_decides_are_not_given() -> None:
+    """The rests of the second body are joined by a valley so level that its facets stop the motion."""
+    poses = [e for e in mesh_census(*body_mesh("second", 6)).equilibria if e.kind == "stable"]
+    assert all(pose.probability is None for pose in poses)
+    assert all(pose.probability_error is not None and pose.probability_error > 0.1 for pose in poses)
+
+
 @pytest.mark.parametrize(
     ("vertices", "faces", "options", "words"),
     [
@@ -278,6 +285,16 @@ def test_a_mesh_that_is_inside_out_is_refused_without_a_com() -> None:
     with pytest.raises(CensusError, match="inside out"):
         mesh_census(mesh.vertices, mesh.faces[:, ::-1])
     assert mesh_census(mesh.vertices, mesh.faces[:, ::-1], (0.0, 0.0, 0.0)).stable == 6
+
+
+@pytest.mark.parametrize("apart", [1e-6, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-15])
+def test_nearly_equal_vertices_do_not_confuse_it(apart: float) -> None:
+    rng = np.random.default_rng(7)
+    for points, rests in ((fibonacci_directions(1500) * (1.0, 1.5, 2.0), 2), (prism(6, 2.0), 8)):
+        twice = np.concatenate([points, points + rng.uniform(-apart, apart, points.shape)]) * 37.3 + 5.0
+        index = np.arange(len(twice))
+        faces = np.stack([index, np.roll(index, 1), np.roll(index, 2)], axis=1)
+        assert mesh_census(twice, faces, (5.0, 5.0, 5.0), probabilities=False).stable == rests
 
 
 def test_a_part_with_thousands_of_coplanar_points_is_quick_work() -> None:
