@@ -18,6 +18,8 @@ from gomboc_cad.console import (
     show_census,
     show_certificate,
     show_check,
+    show_drill_map,
+    show_zone,
 )
 from gomboc_cad.errors import GombocError, NotConvexError
 
@@ -32,6 +34,10 @@ app = typer.Typer(
 
 BodyName = Annotated[
     str | None, typer.Argument(metavar="[BODY]", help="Catalogue name, for example primary.")
+]
+Subject = Annotated[
+    str | None,
+    typer.Argument(metavar="[BODY|SPEC]", help="Catalogue name, a TOML file, or a product: imu-housing."),
 ]
 FamilyName = Annotated[
     str | None,
@@ -151,7 +157,7 @@ def check(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="A STEP, STL, 3MF, OBJ or PLY file.")],
     com_mm: ComOption = None,
     unit: Annotated[
-        str | None, typer.Option("--unit", help="Unit of an STL, OBJ or PLY file: um, mm, cm, m, in or ft.")
+        str | None, typer.Option("--unit", help="Unit of a file that states none: mm, um, cm, m, in or ft.")
     ] = None,
     barrier_um: Annotated[
         float | None,
@@ -161,6 +167,9 @@ def check(
             help="Poses with a lower barrier do not count; by default what the mesh resolves.",
         ),
     ] = None,
+    faceted: Annotated[
+        bool, typer.Option("--faceted", help="The part really has the facets of its mesh.")
+    ] = False,
     json: AsJson = False,
     quiet: Quiet = False,
 ) -> int:
@@ -174,7 +183,9 @@ def check(
     reporter = Reporter(json, quiet)
     com = None if com_mm is None else _numbers("--com-mm", com_mm)
     with reporter.stages(None) as progress:
-        found = check_part(file, com_mm=com, unit=unit, barrier_um=barrier_um, progress=progress)
+        found = check_part(
+            file, com_mm=com, unit=unit, barrier_um=barrier_um, faceted=faceted, progress=progress
+        )
     reporter.document(check_document(found), show_check)
     return PASSED if found.census.verdict == "monostable" else FAILED
 
@@ -229,6 +240,74 @@ def certify(
 
 
 @app.command()
+def zone(
+    body: Subject = None,
+    family: FamilyName = None,
+    beta: Beta = None,
+    coef: Coefficients = None,
+    diameter_mm: Diameter = 100.0,
+    com_mm: ComOption = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="FILE.stl", help="Write the zone, and a figure beside it."),
+    ] = None,
+    force: Force = False,
+    json: AsJson = False,
+    quiet: Quiet = False,
+) -> int:
+    """Find where the centre of mass may be so that one stable rest stays, and where it is best."""
+    from gomboc_cad.documents import zone_document
+    from gomboc_cad.equilibria.zone import STAGES, loading_zone
+    from gomboc_cad.report.zone_figures import write_zone
+
+    reporter = Reporter(json, quiet)
+    files = _with_figure(output, ".stl", force)
+    chosen, com = _body_and_com(body, family, beta, coef, diameter_mm, com_mm)
+    with reporter.stages(STAGES) as progress:
+        found = loading_zone(chosen, com, progress=progress)
+    if files:
+        write_zone(found, *files)
+    reporter.document(zone_document(found, files), show_zone)
+    return PASSED
+
+
+@app.command()
+def drillmap(
+    body: Subject = None,
+    family: FamilyName = None,
+    beta: Beta = None,
+    coef: Coefficients = None,
+    diameter_mm: Diameter = 100.0,
+    com_mm: ComOption = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="FILE.csv", help="Write the table, and a figure beside it."),
+    ] = None,
+    sites: Annotated[int, typer.Option("--sites", min=1, max=20_000, help="Number of directions.")] = 500,
+    force: Force = False,
+    json: AsJson = False,
+    quiet: Quiet = False,
+) -> int:
+    """Find the largest hole or flat allowed at each place before the part can rest on it."""
+    from gomboc_cad.documents import drill_document
+    from gomboc_cad.equilibria.drill_map import drill_map
+    from gomboc_cad.report.drill_figures import draw_drill_map, write_drill_table
+
+    reporter = Reporter(json, quiet)
+    files = _with_figure(output, ".csv", force)
+    chosen, com = _body_and_com(body, family, beta, coef, diameter_mm, com_mm)
+    with reporter.stages(None) as progress:
+        progress("mapping the surface")
+        found = drill_map(chosen, com, sites=sites)
+    if files:
+        table, figure = files
+        write_drill_table(found, table)
+        draw_drill_map(found, figure)
+    reporter.document(drill_document(found, files), show_drill_map)
+    return PASSED
+
+
+@app.command()
 def build(
     spec: Annotated[str, typer.Argument(metavar="SPEC", help="A TOML file, or a product: imu-housing.")],
     output: Output,
@@ -276,6 +355,38 @@ def _body(
         key, _, value = text.partition("=")
         terms[key.strip()] = _numbers("--coef", value, count=1)[0]
     return make_body(family or "", beta, terms, diameter_mm=diameter_mm)
+
+
+def _body_and_com(
+    name: str | None,
+    family: str | None,
+    beta: float | None,
+    coefficients: list[str] | None,
+    diameter_mm: float,
+    com_mm: str | None,
+) -> tuple[Any, Any]:
+    """The body and the centre of mass of a product or of a bare body; another one if it is given."""
+    from gomboc_cad.products.subject import body_and_com, is_spec
+
+    subject: Any = name
+    if name is None or not is_spec(name):
+        subject = _body(name, family, beta, coefficients, diameter_mm)
+    elif family is not None or beta is not None or coefficients:
+        raise GombocError("--family, --beta and --coef go with a bare body, not with a product.")
+    chosen, com = body_and_com(subject)
+    return chosen, com if com_mm is None else _numbers("--com-mm", com_mm)
+
+
+def _with_figure(path: Path | None, suffix: str, force: bool) -> tuple[Path, ...]:
+    """A file to write and the figure beside it; nothing if no file is wanted."""
+    if path is None:
+        return ()
+    if path.suffix.lower() != suffix:
+        raise GombocError(f"{path} must end in {suffix}; a figure of the same name is written beside it.")
+    files = (path, path.with_suffix(".png"))
+    for file in files:
+        _require_absent(file, force)
+    return files
 
 
 def _exact_parameters(

@@ -74,6 +74,10 @@ def _table(title: str, *columns: str) -> Any:
     return table
 
 
+def _named(document: dict[str, Any]) -> str:
+    return f"{document['body']}, nominal diameter {document['diameter_mm']:g} mm"
+
+
 def _print(*things: Any) -> None:
     from rich.console import Console
 
@@ -105,7 +109,7 @@ def show_catalog(document: dict[str, Any]) -> None:
 def show_census(document: dict[str, Any]) -> None:
     """A census as two tables."""
     facts = _table(
-        f"{document['body']}, nominal diameter {document['diameter_mm']:g} mm: {document['verdict']}",
+        f"{_named(document)}: {document['verdict']}",
         "quantity",
         "value",
     )
@@ -189,6 +193,49 @@ def show_certificate(document: dict[str, Any]) -> None:
             facts.add_row(f"centroid, {axis}", low if low == high else f"{low} to {high}")
     facts.add_row("time", f"{document['seconds']:.2f} s")
     _print(facts, *_reasons({"reasons": [document["reason"]]}))
+
+
+def show_zone(document: dict[str, Any]) -> None:
+    """The loading zone."""
+    facts = _table(
+        f"{document['body']}, nominal diameter {document['diameter_mm']:g} mm: loading zone", "", ""
+    )
+    facts.add_row("centre of mass", _vector(document["com_mm"], 5) + " mm")
+    ballast = f"as a sphere whose COM is lowered by {document['equivalent_ballast_mm']:.4g} mm"
+    facts.add_row("S-margin there", f"{document['s_margin_mm']:.4g} mm, {ballast}")
+    facts.add_row("best place nearby", _vector(document["nearest_best_com_mm"], 5) + " mm")
+    facts.add_row("S-margin there", f"{document['nearest_best_s_margin_mm']:.4g} mm")
+    facts.add_row("best place of the whole zone", _vector(document["best_com_mm"], 3) + " mm")
+    facts.add_row("S-margin there, inside the body", f"{document['best_s_margin_mm']:.4g} mm")
+    facts.add_row("volume of the zone", f"{document['zone_volume_mm3']:.6g} mm³")
+    for file in document["files"]:
+        facts.add_row("written", file)
+    _print(facts)
+
+
+def show_drill_map(document: dict[str, Any]) -> None:
+    """The best places of the drill map."""
+    table = _table(
+        f"{_named(document)}: best places for holes and flats",
+        "outward normal",
+        "radius of a hole or flat",
+        "of a drilled hole alone",
+        "depth of a plane flat",
+    )
+    for site in document["best"]:
+        table.add_row(
+            _vector(site["direction"], 3),
+            f"{site['radius_mm']:.3f} mm",
+            f"{site['refined_radius_mm']:.3f} mm",
+            f"{site['flat_depth_mm']:.3f} mm",
+        )
+    said = [
+        f"The centre of mass is {_vector(document['com_mm'], 4)} mm, that of the finished part: balance or "
+        "fill what you remove.",
+        f"At the rest itself, {_vector(document['rest_direction'], 3)}, a flat is the rest and adds none.",
+    ]
+    said += [f"Written: {file}" for file in document["files"]]
+    _print(table, *_reasons({"reasons": said}))
 
 
 def show_body(document: dict[str, Any]) -> None:

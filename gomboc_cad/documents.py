@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from gomboc_cad.equilibria.certificate import Certificate, Verification
+    from gomboc_cad.equilibria.drill_map import DrillLimits, DrillMap
+    from gomboc_cad.equilibria.zone import LoadingZone
     from gomboc_cad.solid.check import PartCheck
     from gomboc_cad.solid.inspect import FileInspection
 
@@ -209,6 +211,60 @@ def verification_document(read: Certificate, checked: Verification, seconds: flo
         document = {key: value if key in known else None for key, value in document.items()}
         document["status"] = "undecided"
     return {**document, "accepted": checked.accepted, "reason": checked.reason}
+
+
+def zone_document(zone: LoadingZone, files: tuple[Path, ...]) -> dict[str, Any]:
+    """Keys of `gomboc-cad zone`."""
+    return {
+        "body": zone.body.name,
+        "diameter_mm": zone.body.diameter_mm,
+        "com_mm": list(zone.com_mm),
+        "s_margin_mm": zone.s_margin_mm,
+        # A sphere whose centre of mass is lowered by s has the margin s.
+        "equivalent_ballast_mm": zone.s_margin_mm,
+        "nearest_best_com_mm": list(zone.nearest_best_com_mm),
+        "nearest_best_s_margin_mm": zone.nearest_best_s_margin_mm,
+        "best_com_mm": list(zone.best_com_mm),
+        "best_s_margin_mm": zone.best_s_margin_mm,
+        "zone_volume_mm3": zone.volume_mm3,
+        "facets": len(zone.faces),
+        "files": [str(file) for file in files],
+    }
+
+
+def drill_document(drilling: DrillMap, files: tuple[Path, ...]) -> dict[str, Any]:
+    """Keys of `gomboc-cad drillmap`."""
+    return {
+        "body": drilling.body.name,
+        "diameter_mm": drilling.body.diameter_mm,
+        "com_mm": list(drilling.com_mm),
+        "rest_direction": list(drilling.rest.direction),
+        "max_radius_mm": drilling.max_radius_mm,
+        "max_direction": list(drilling.max_direction),
+        "best": _drill_sites(drilling.best),
+        "sites": _drill_sites(drilling.sites),
+        "files": [str(file) for file in files],
+    }
+
+
+def _drill_sites(limits: DrillLimits) -> list[dict[str, Any]]:
+    return [
+        {
+            "direction": direction,
+            "position_mm": position,
+            "radius_mm": radius,
+            "refined_radius_mm": refined,
+            "flat_depth_mm": depth,
+        }
+        for direction, position, radius, refined, depth in zip(
+            limits.directions.tolist(),
+            limits.positions_mm.tolist(),
+            limits.radius_mm.tolist(),
+            limits.refined_radius_mm.tolist(),
+            limits.flat_depth_mm.tolist(),
+            strict=True,
+        )
+    ]
 
 
 def _um(length_mm: float | None) -> float | None:

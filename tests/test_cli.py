@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import resource
@@ -14,10 +15,13 @@ from types import ModuleType
 from typing import Any
 
 import pytest
+import trimesh
 
 from gomboc_cad.cli import main
 from gomboc_cad.resources import template_folder
 from tests.conftest import BuiltHousing
+from tests.equilibria.polyhedra import hull_mesh, prism
+from tests.solid import hostile
 
 
 def run(*arguments: str, **options: Any) -> subprocess.CompletedProcess[str]:
@@ -106,6 +110,115 @@ def test_a_dented_body_is_censused_on_its_hull() -> None:
     )
     assert census["margin_mm"] is None
     assert "Not strictly convex" in census["reason"]
+
+
+def test_a_part_of_any_format_is_checked_with_the_contracts_keys(tmp_path: Path) -> None:
+    writers = {
+        "stl": hostile.binary_stl,
+        "obj": hostile.obj,
+        "ply": hostile.binary_ply,
+        "3mf": hostile.three_mf,
+    }
+    for kind, writer in writers.items():
+        path = hostile.write(tmp_path, f"box.{kind}", writer(hostile.box()))
+        found = json_of("check", str(path), code=1)
+        assert found["watertight"] is True
+        assert found["volume_mm3"] == pytest.approx(6000.0)
+        assert found["com_mm"] == pytest.approx([5.0, 10.0, 15.0])
+        assert found["facets"] == 12
+        assert found["raw"] == {"stable": 6, "unstable": 8, "saddles": 12}
+        assert (found["stable"], found["verdict"]) == (6, "multistable")
+        assert found["barrier_um"] > 0.0
+        assert {"direction", "height_mm", "barrier_um", "probability"} <= set(found["poses"][0])
+        assert sum(pose["probability"] for pose in found["poses"]) == pytest.approx(1.0)
+
+
+def test_check_takes_a_unit_a_com_and_a_barrier(tmp_path: Path) -> None:
+    path = hostile.write(tmp_path, "box.stl", hostile.binary_stl(hostile.box()))
+    inches = json_of("check", str(path), "--unit", "in", code=1)
+    assert inches["volume_mm3"] == pytest.approx(6000.0 * 25.4**3)
+    low = json_of("check", str(path), "--com-mm", "5,10,1", code=1)
+    assert low["poses"][0]["height_mm"] == pytest.approx(1.0)
+    assert json_of("check", str(path), "--com-mm", "5,10,1", "--barrier-um", "600")["stable"] == 1
+    ring = hostile.binary_stl(hull_mesh(prism(40, 100.0)))
+    path = hostile.write(tmp_path, "rod.stl", ring)
+    assert json_of("check", str(path), code=1)["poses"][0]["extent"] == "ring"
+    assert json_of("check", str(path), "--faceted", code=1)["stable"] == 42
+
+
+def test_a_part_that_cannot_be_judged_is_one_sentence(tmp_path: Path) -> None:
+    box = hostile.box()
+    open_box = hostile.Mesh(box.vertices_mm, box.faces[:-1])
+    path = hostile.write(tmp_path, "open.stl", hostile.binary_stl(open_box))
+    assert_one_sentence(run("check", str(path)), "--com-mm")
+    assert json_of("check", str(path), "--com-mm", "5,10,15", code=1)["watertight"] is False
+    assert_one_sentence(run("check", str(tmp_path / "none.stl")), "none.stl")
+    assert_one_sentence(run("check", str(path), "--com-mm", "500,0,0"), "outside")
+
+
+@pytest.mark.slow
+def test_the_zone_is_written_as_a_closed_mesh_with_a_figure(tmp_path: Path) -> None:
+    path = tmp_path / "zone.stl"
+    zone = json_of("zone", "primary", "-o", str(path))
+    assert zone["s_margin_mm"] == zone["equivalent_ballast_mm"] == pytest.approx(0.1696, rel=1e-3)
+    assert zone["best_s_margin_mm"] > zone["nearest_best_s_margin_mm"] == pytest.approx(0.382, rel=0.02)
+    assert len(zone["best_com_mm"]) == 3
+    mesh = trimesh.load_mesh(path)
+    assert mesh.is_watertight
+    assert mesh.volume == pytest.approx(zone["zone_volume_mm3"], rel=1e-4)
+    assert (tmp_path / "zone.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_com_outside_the_zone_has_none_to_show() -> None:
+    assert_one_sentence(run("zone", "primary", "--com-mm", "0.5,0,0"), "rest")
+
+
+def test_the_drill_map_is_written_as_a_table_with_a_figure(tmp_path: Path) -> None:
+    path = tmp_path / "drill.csv"
+    found = json_of("drillmap", "primary", "-o", str(path), "--sites", "100")
+    assert len(found["sites"]) == 100
+    assert {"direction", "radius_mm"} <= set(found["sites"][0])
+    assert found["max_radius_mm"] == pytest.approx(0.13 * 50.0, rel=0.05)
+    assert all(site["radius_mm"] <= found["max_radius_mm"] for site in found["sites"])
+    lines = path.read_text(encoding="utf-8").splitlines()
+    assert len(lines) == 1 + len(found["best"]) + 100
+    assert (tmp_path / "drill.png").read_bytes().startswith(b"\x89PNG")
+    assert_one_sentence(run("drillmap", "primary", "-o", str(path)), "--force")
+    assert_one_sentence(run("drillmap", "primary", "-o", str(tmp_path / "map.txt")), ".csv")
+
+
+def test_a_certificate_is_written_and_checked(tmp_path: Path) -> None:
+    path = tmp_path / "primary.json"
+    made = json_of("certify", "primary", "-o", str(path))
+    assert (made["status"], made["strictly_convex"], made["stable"], made["unstable"]) == (
+        "proven",
+        True,
+        1,
+        1,
+    )
+    assert float(made["com_enclosure"][0][0]) == pytest.approx(-0.0026955695)
+    assert made["seconds"] > 0.0
+    checked = json_of("certify", "--verify", str(path))
+    assert (checked["status"], checked["accepted"], checked["stable"]) == ("proven", True, 1)
+    assert json_of("certify", "third", code=1)["status"] == "refuted"
+    assert_one_sentence(run("certify", "primary", "-o", str(path)), "--force")
+    assert_one_sentence(run("certify", "primary", "--verify", str(path)), "nothing else")
+    assert_one_sentence(run("certify", "--family", "sloan1", "--beta", "0.01"), "sloan2 and extended")
+
+
+def test_a_certificate_that_was_changed_is_rejected(tmp_path: Path) -> None:
+    path = tmp_path / "body.json"
+    json_of("certify", "--family", "sloan2", "--beta", "0.03", "-o", str(path))
+    document = json.loads(path.read_text(encoding="utf-8"))
+    document["beta"] = "0.05"
+    path.write_text(json.dumps(document), encoding="utf-8")
+    assert_one_sentence(run("certify", "--verify", str(path)), "digest")
+    del document["sha256"]
+    canonical = json.dumps(document, sort_keys=True, separators=(",", ":"))
+    document["sha256"] = hashlib.sha256(canonical.encode()).hexdigest()
+    path.write_text(json.dumps(document), encoding="utf-8")
+    rejected = json_of("certify", "--verify", str(path), code=1)
+    assert (rejected["accepted"], rejected["status"], rejected["stable"]) == (False, "undecided", None)
 
 
 def test_the_build_has_the_contracts_keys(built_housing: BuiltHousing) -> None:

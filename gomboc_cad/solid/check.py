@@ -58,6 +58,7 @@ def check_part(
     com_mm: Sequence[float] | None = None,
     unit: str | None = None,
     barrier_um: float | None = None,
+    faceted: bool = False,
     progress: Progress = silent,
 ) -> PartCheck:
     """Read a STEP, STL, 3MF, OBJ or PLY file and count the poses in which the part rests.
@@ -69,6 +70,7 @@ def check_part(
             no other.
         barrier_um: Poses with a lower barrier do not count; by default what the resolution may falsify
             one by.
+        faceted: The part really has the facets of its mesh; they do not stand for a smooth surface.
         progress: Told about each stage.
 
     Raises:
@@ -81,7 +83,7 @@ def check_part(
     barrier_mm = None if barrier_um is None else _length_mm(barrier_um)
     if identify(path) == STEP:
         return _check_step(path, given, unit, barrier_mm, progress)
-    return _check_mesh(path, given, unit, barrier_mm, progress)
+    return _check_mesh(path, given, unit, barrier_mm, faceted, progress)
 
 
 def _check_step(
@@ -111,13 +113,19 @@ def _check_step(
 
 
 def _check_mesh(
-    path: Path, given: Vector | None, unit: str | None, barrier_mm: float | None, progress: Progress
+    path: Path,
+    given: Vector | None,
+    unit: str | None,
+    barrier_mm: float | None,
+    faceted: bool,
+    progress: Progress,
 ) -> PartCheck:
     part = read_part(path, unit, progress)
     com, notes = _center(path, part, part.com_mm, given)
     progress("census of the convex hull")
     # Without its own COM the mesh may be open; with one, the census knows how far facets move it.
-    census = mesh_census(part.mesh.vertices_mm, part.mesh.faces, given, barrier_mm=barrier_mm)
+    sag_mm = 0.0 if faceted else None
+    census = mesh_census(part.mesh.vertices_mm, part.mesh.faces, given, barrier_mm=barrier_mm, sag_mm=sag_mm)
     if part.faults:
         census = replace(census, mass_properties=None)
     return PartCheck(

@@ -110,7 +110,7 @@ def _assess(
     name: str, named: Sequence[NamedSolid], solids: Sequence[tuple[str, Shape]], unit: str | None
 ) -> StepPart:
     shapes = tuple(solid for _, solid in solids)
-    box = [solid.bounding_box(optimal=False) for solid in shapes]
+    box = [solid.bounding_box(optimal=True) for solid in shapes]
     low = np.min([tuple(b.min) for b in box], axis=0)
     high = np.max([tuple(b.max) for b in box], axis=0)
     check_size_mm(name, low, high)

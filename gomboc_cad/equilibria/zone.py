@@ -1,0 +1,342 @@
+"""The loading zone: where the centre of mass may be so that one stable rest stays.
+
+The number of stable rests changes only when the COM crosses the sheet of κ₁ of the focal surface, `x − n/κ₁`.
+So the zone around a COM with one rest is the part of the body that can be reached from it without crossing
+that sheet. Nothing else is assumed of its shape: the sheet has cusps and crosses itself.
+
+The body is filled with cells that are the finer the nearer they are to the COM. A node is clear when its
+distance to the sheet and to the body's surface exceeds the size of its cells, so that no wall passes between
+two neighbours that are clear; those that hang together with the COM make up the zone. Its boundary is drawn
+around them and then moved to the walls.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import linprog
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from gomboc_cad.body.mass import mass_properties, mesh_mass
+from gomboc_cad.body.sphere import Array, BoolArray, IntArray, unit
+from gomboc_cad.body.support import depth_mm
+from gomboc_cad.body.surface import Body
+from gomboc_cad.equilibria.convexity import as_point
+from gomboc_cad.equilibria.focal import image_samples
+from gomboc_cad.equilibria.margin import com_margin, focal_points_mm
+from gomboc_cad.equilibria.octree import Octree, boundary
+from gomboc_cad.equilibria.records import Vector, as_vector
+from gomboc_cad.equilibria.smooth import find_equilibria
+from gomboc_cad.errors import CensusError
+from gomboc_cad.progress import Progress, silent
+
+STAGES = 4
+"""How many stages `loading_zone` reports."""
+
+_CELLS_PER_MARGIN = 16.0
+_CELLS_PER_DISTANCE = 24.0
+_NEAR = 0.02
+"""Distance from the COM, in units of R₀, beyond which cells grow faster than the distance."""
+
+_GROWTH = 0.3
+_LARGEST_CELL = 0.06
+_SAMPLES_PER_CELL = 3.0
+_CLEARANCE = 0.55
+"""More than half a cell: no point of a tetrahedron is farther from all its corners."""
+
+_REACH = 1.0
+"""Half the diagonal of a cell, and something for the change of clearance across it, in cells."""
+
+_INSET = 1.0 / 16.0
+_SMALLEST_MARGIN = 1e-6
+_START_LEVEL = 3
+_ROOMY, _STARTS = 2000, 4
+
+
+@dataclass(frozen=True, eq=False)
+class LoadingZone:
+    """Where the COM may be so that the body keeps one stable rest.
+
+    Attributes:
+        body: The body.
+        com_mm: The given centre of mass.
+        s_margin_mm: Distance from it to the nearest COM with another number of rests.
+        best_com_mm: Centre of the largest ball inside the zone; the ball is inside the body too.
+        best_s_margin_mm: Its radius.
+        nearest_best_com_mm: The best place that is reached from the given COM by always gaining margin.
+        nearest_best_s_margin_mm: The margin there.
+        volume_mm3: Volume of the zone.
+        vertices_mm: Corners of its boundary, shape (n, 3).
+        faces: Triangles, counter-clockwise seen from outside the zone, shape (m, 3); closed.
+    """
+
+    body: Body
+    com_mm: Vector
+    s_margin_mm: float
+    best_com_mm: Vector
+    best_s_margin_mm: float
+    nearest_best_com_mm: Vector
+    nearest_best_s_margin_mm: float
+    volume_mm3: float
+    vertices_mm: Array
+    faces: IntArray
+
+    def resolution_mm(self, points_mm: Array) -> Array:
+        """Size of the cells at points (n, 3): how true the drawn zone is; narrower passages count as shut."""
+        return _Grading(np.array(self.com_mm), self.s_margin_mm, self.body.radius_mm).cell_mm(points_mm)
+
+
+class _Grading(NamedTuple):
+    """How large cells are."""
+
+    center_mm: Array
+    s_margin_mm: float
+    radius_mm: float
+
+    def cell_mm(self, points_mm: Array) -> Array:
+        """Largest cell allowed at points (n, 3) near a wall, shape (n,)."""
+        distance = np.linalg.norm(points_mm - self.center_mm, axis=1)
+        growth = np.maximum(1.0, distance / (_NEAR * self.radius_mm)) ** _GROWTH
+        size = np.maximum(self.s_margin_mm / _CELLS_PER_MARGIN, growth * distance / _CELLS_PER_DISTANCE)
+        result: Array = np.minimum(size, _LARGEST_CELL * self.radius_mm)
+        return result
+
+    def spacing_mm(self, points_mm: Array) -> Array:
+        """Spacing of the samples of a wall at points (n, 3), shape (n,)."""
+        return self.cell_mm(points_mm) / _SAMPLES_PER_CELL
+
+
+class _Walls:
+    """Samples of the focal sheet and of the body's surface: no point of these is farther than the spacing."""
+
+    def __init__(self, body: Body, grading: _Grading) -> None:
+        self.body = body
+        self.grading = grading
+        sheet = image_samples(lambda u: focal_points_mm(body, u, 0), grading.spacing_mm)
+        surface = image_samples(body.position_mm, grading.spacing_mm)
+        self.samples_mm = np.concatenate([sheet, surface])
+        self.on_sheet = np.arange(len(self.samples_mm)) < len(sheet)
+        self.tree = cKDTree(self.samples_mm)
+
+    def distance_mm(self, points_mm: Array, up_to_mm: float = np.inf) -> Array:
+        """Distance to the nearest sample, infinite beyond `up_to_mm`, shape (n,)."""
+        return np.asarray(self.tree.query(points_mm, distance_upper_bound=up_to_mm)[0])
+
+    def gap_mm(self, point_mm: Array) -> float:
+        """Distance of one point from the nearest sample."""
+        return float(self.distance_mm(point_mm))
+
+    def approached(self, points_mm: Array) -> Array:
+        """Move points to the walls: onto the surface, and short of the sheet by a fraction of a cell."""
+        gap, nearest = self.tree.query(points_mm)
+        foot = self.samples_mm[nearest]
+        inset = np.minimum(1.0, _INSET * self.grading.cell_mm(points_mm) / gap)
+        moved: Array = foot + inset[:, None] * (points_mm - foot)
+        surface = ~self.on_sheet[nearest]
+        moved[surface] = self.body.position_mm(unit(points_mm[surface]))
+        return moved
+
+
+def loading_zone(
+    body: Body, com: Sequence[float] | Array | None = None, *, progress: Progress = silent
+) -> LoadingZone:
+    """Find the zone around a COM in which the body keeps one stable rest, and the best places in it.
+
+    Args:
+        body: A strictly convex body.
+        com: Centre of mass in mm, shape (3,); the homogeneous centroid if not given.
+        progress: Called with the name of each stage as it begins.
+
+    Raises:
+        NotConvexError: If the body is not strictly convex.
+        DegenerateEquilibriaError: If the equilibria about the COM are not isolated.
+        CensusError: If the COM is not inside the body, has not one stable rest, or is so near to the
+            edge of its zone that the zone cannot be drawn.
+    """
+    center = np.array(mass_properties(body).com_mm) if com is None else as_point(com)
+    margin = _margin_in_zone(body, center)
+    grading = _Grading(center, margin, body.radius_mm)
+
+    progress("sampling the focal surface")
+    walls = _Walls(body, grading)
+    progress("filling the body with cells")
+    cells = _cells(walls)
+    progress("following the zone")
+    zone = _reached(cells, walls)
+    vertices, faces = _drawn_boundary(zone, walls)
+    progress("finding the best centre of mass")
+    best = max((_grown(walls, start) for start in _roomiest(zone)), key=walls.gap_mm)
+    nearest = _grown(walls, center)
+    return LoadingZone(
+        body=body,
+        com_mm=as_vector(center),
+        s_margin_mm=margin,
+        best_com_mm=as_vector(best),
+        best_s_margin_mm=_room_mm(body, best),
+        nearest_best_com_mm=as_vector(nearest),
+        nearest_best_s_margin_mm=_room_mm(body, nearest),
+        volume_mm3=mesh_mass(vertices, faces).volume_mm3,
+        vertices_mm=vertices,
+        faces=faces,
+    )
+
+
+def margins_towards_rest(zone: LoadingZone, lowered_mm: Array) -> Array:
+    """Radius of the largest ball inside the zone and the body about the COM, lowered towards the rest.
+
+    Args:
+        zone: The zone.
+        lowered_mm: How far the COM is moved along the direction that points down at rest, shape (n,).
+    """
+    down = find_equilibria(zone.body, zone.com_mm)[0].direction
+    places = np.array(zone.com_mm) + np.outer(lowered_mm, down)
+    return np.array([_room_mm(zone.body, place) for place in places])
+
+
+def _margin_in_zone(body: Body, center: Array) -> float:
+    """Check that a COM has one rest, and give the radius of its ball: within the zone and the body."""
+    rests = sum(e.kind == "stable" for e in find_equilibria(body, center))
+    place = ", ".join(f"{c:g}" for c in center)
+    if rests != 1:
+        raise CensusError(
+            f"The body has {rests} stable rests about the centre of mass ({place}) mm, so it is in no "
+            "loading zone; give one nearer to the homogeneous centroid or to the rest point."
+        )
+    margin = com_margin(body, center).s_margin_mm
+    if margin < _SMALLEST_MARGIN * body.radius_mm:
+        raise CensusError(
+            f"The centre of mass ({place}) mm is at the edge of its loading zone (S-margin {margin:.3g} mm), "
+            "which cannot be drawn around it; move it farther inside."
+        )
+    return margin
+
+
+def _cells(walls: _Walls) -> Octree:
+    """Cells around the body, near the walls as small as the grading asks."""
+    grading = walls.grading
+
+    def wanted(centers: Array, edge: float) -> BoolArray:
+        cell = grading.cell_mm(centers)
+        reach = _REACH * edge + _clear_distance_mm(grading, centers)
+        near = walls.distance_mm(centers, float(reach.max(initial=0.0))) < reach
+        result: BoolArray = near & (edge > cell)
+        return result
+
+    side = 2.2 * float(np.linalg.norm(walls.samples_mm - grading.center_mm, axis=1).max())
+    # No node of the lattice shall lie exactly on a plane of symmetry through the COM.
+    middle = grading.center_mm + 0.01 * grading.s_margin_mm * np.array([0.3, 0.5, 0.7])
+    return Octree.refined(middle, side, _START_LEVEL, wanted)
+
+
+def _clear_distance_mm(grading: _Grading, points_mm: Array) -> Array:
+    """Distance to the nearest sample from which on a node is clear."""
+    result: Array = _CLEARANCE * grading.cell_mm(points_mm) + grading.spacing_mm(points_mm)
+    return result
+
+
+class _Reached(NamedTuple):
+    """The part of the cells that hangs together with the COM, and the tetrahedra at its boundary."""
+
+    positions_mm: Array
+    gaps_mm: Array
+    inside: BoolArray
+    tetrahedra: IntArray
+
+
+def _reached(cells: Octree, walls: _Walls) -> _Reached:
+    """Follow the clear nodes from the COM."""
+    spokes, tetrahedra = [], []
+    for level, places in cells.leaves():
+        corners = cells.corner_nodes(level, places)
+        spokes.append(np.stack([np.repeat(cells.center_nodes(level, places), 8), corners.ravel()], axis=-1))
+        tetrahedra.append(cells.tetrahedra(level, _at_edge_of_clearance(cells, level, places, walls)))
+    keys = [np.concatenate(spokes), np.concatenate(tetrahedra)]
+    nodes, index = np.unique(np.concatenate([k.ravel() for k in keys]), return_inverse=True)
+    spoke, corners = (
+        part.reshape(k.shape) for part, k in zip(np.split(index, [keys[0].size]), keys, strict=True)
+    )
+
+    positions = cells.node_positions_mm(nodes)
+    gaps = walls.distance_mm(positions)
+    clear = gaps > _clear_distance_mm(walls.grading, positions)
+    i, j = np.triu_indices(4, 1)
+    links = np.concatenate([spoke, np.stack([corners[:, i], corners[:, j]], axis=-1).reshape(-1, 2)])
+    links = links[clear[links].all(axis=1)]
+    graph = coo_array((np.ones(len(links), dtype=bool), (links[:, 0], links[:, 1])), shape=2 * (len(nodes),))
+    labels = connected_components(graph, directed=False)[1]
+    start = np.linalg.norm(positions - walls.grading.center_mm, axis=1).argmin()
+    inside = clear & (labels == labels[start])
+    return _Reached(positions, gaps, inside, corners)
+
+
+def _at_edge_of_clearance(cells: Octree, level: int, places: IntArray, walls: _Walls) -> IntArray:
+    """Cells with clear and other nodes: those that the level set of clearance may pass through."""
+    edge = cells.edge_mm(level)
+    centers = cells.centers_mm(level, places)
+    clear = _clear_distance_mm(walls.grading, centers)
+    gaps = walls.distance_mm(centers, float(clear.max(initial=0.0)) + edge)
+    return places[np.abs(gaps - clear) < _REACH * edge]
+
+
+def _drawn_boundary(zone: _Reached, walls: _Walls) -> tuple[Array, IntArray]:
+    """Closed boundary of the zone, moved to the walls."""
+    crossing = boundary(zone.tetrahedra, zone.inside)
+    inner, outer = crossing.edges.T
+    start = zone.positions_mm[inner]
+    arm = zone.positions_mm[outer] - start
+    # Within the ball about the inner node that is free of walls.
+    free = 0.9 * (zone.gaps_mm[inner] - walls.grading.spacing_mm(start)) / np.linalg.norm(arm, axis=1)
+    return walls.approached(start + np.minimum(0.9, free)[:, None] * arm), crossing.faces
+
+
+def _roomiest(zone: _Reached) -> list[Array]:
+    """A few places of the zone that are far from all walls, and apart from each other."""
+    order = np.flatnonzero(zone.inside)[np.argsort(-zone.gaps_mm[zone.inside], kind="stable")]
+    starts: list[Array] = []
+    for index in order[:_ROOMY]:
+        place = zone.positions_mm[index]
+        if all(np.linalg.norm(place - other) > 0.5 * zone.gaps_mm[index] for other in starts):
+            starts.append(place)
+    return starts[:_STARTS]
+
+
+def _room_mm(body: Body, center: Array) -> float:
+    """Distance to the focal sheet or to the surface, whichever is nearer."""
+    return min(com_margin(body, center).s_margin_mm, float(depth_mm(body, center)[0]))
+
+
+def _grown(walls: _Walls, center_mm: Array) -> Array:
+    """Move a ball so that it can grow, until it cannot.
+
+    Each step maximises the least of the distances, linearised, within a cube. Distances are convex, so
+    the true gain is at least the linear one.
+    """
+    radius = walls.gap_mm(center_mm)
+    trust = 0.1 * radius
+    while trust > 1e-3 * radius:
+        near = walls.samples_mm[walls.tree.query_ball_point(center_mm, radius + 2.0 * trust)]
+        distance, normal = _nearest_by_direction(center_mm - near)
+        rows = np.column_stack([-normal, np.ones(len(normal))])
+        bounds = 3 * [(-trust, trust)] + [(0.0, None)]
+        step = linprog([0.0, 0.0, 0.0, -1.0], A_ub=rows, b_ub=distance, bounds=bounds).x
+        trial: Array = center_mm + np.asarray(step)[:3]
+        grown = walls.gap_mm(trial)
+        if grown > radius * (1.0 + 1e-6):
+            center_mm, radius = trial, grown
+        else:
+            trust *= 0.5
+    return center_mm
+
+
+def _nearest_by_direction(arms: Array) -> tuple[Array, Array]:
+    """Length and direction of the shortest arm in each of a few thousand directions."""
+    length = np.linalg.norm(arms, axis=1)
+    order = np.argsort(length, kind="stable")
+    normal = arms[order] / length[order, None]
+    _, first = np.unique(np.round(12.0 * normal).astype(np.int64), axis=0, return_index=True)
+    return length[order][first], normal[first]

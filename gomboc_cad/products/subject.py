@@ -1,0 +1,38 @@
+"""What an analysis is asked about: a bare body, or a product's outer body and its centre of mass."""
+
+from __future__ import annotations
+
+from gomboc_cad.body import Body, mass_properties
+from gomboc_cad.body.catalogue import named_body
+from gomboc_cad.equilibria.records import Vector
+from gomboc_cad.products.spec import PRODUCTS
+from gomboc_cad.progress import Progress, silent
+
+
+def is_spec(name: str) -> bool:
+    """Whether a name stands for a spec (a product or a TOML file) and not for a body of the catalogue."""
+    return name in PRODUCTS or name.lower().endswith(".toml")
+
+
+def body_and_com(subject: str | Body, progress: Progress = silent) -> tuple[Body, Vector]:
+    """Give the outer body and the centre of mass in mm that an analysis starts from.
+
+    Args:
+        subject: A body or the name of one, which stand for the homogeneous solid; or a product or the path of
+            a spec, whose parts are designed and weighed.
+        progress: Called with the name of each stage of the design as it begins.
+
+    Raises:
+        BodyError: If there is no body of that name.
+        SpecError: If the spec is wrong.
+        GeometryError: If the product cannot be made.
+    """
+    if isinstance(subject, str) and is_spec(subject):
+        # The kernel is loaded only for what needs it.
+        from gomboc_cad.products.imu_housing import design_imu_housing
+        from gomboc_cad.products.spec import load_spec, spec_path
+
+        design = design_imu_housing(load_spec(subject), spec_path(subject).parent, progress)
+        return design.body, design.assembly.com_mm
+    body = named_body(subject) if isinstance(subject, str) else subject
+    return body, mass_properties(body).com_mm

@@ -1,0 +1,1 @@
+"""Figures and tables for people: drawn from records, written as files."""

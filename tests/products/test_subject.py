@@ -1,0 +1,36 @@
+"""What an analysis starts from: bodies by name and as they are, products by their spec."""
+
+from __future__ import annotations
+
+import pytest
+
+from gomboc_cad.body import catalog, mass_properties
+from gomboc_cad.errors import BodyError, SpecError
+from gomboc_cad.products.imu_housing import HousingDesign
+from gomboc_cad.products.subject import body_and_com, is_spec
+
+
+def test_a_body_comes_with_its_homogeneous_centroid() -> None:
+    body = catalog()["primary"].with_diameter(60.0)
+    assert body_and_com(body) == (body, mass_properties(body).com_mm)
+    named, com = body_and_com("primary")
+    assert named.diameter_mm == 100.0
+    assert com == pytest.approx((-0.134778477, 0.0, 0.0), abs=1e-8)
+
+
+def test_a_product_comes_with_the_com_of_its_assembly(default_housing: HousingDesign) -> None:
+    stages: list[str] = []
+    body, com = body_and_com("imu-housing", stages.append)
+    assert body.radius_mm == default_housing.body.radius_mm
+    assert com == pytest.approx(default_housing.assembly.com_mm, abs=1e-9)
+    assert stages
+
+
+def test_names_of_specs_and_of_bodies() -> None:
+    assert is_spec("imu-housing")
+    assert is_spec("folder/mine.toml")
+    assert not is_spec("primary")
+    with pytest.raises(BodyError):
+        body_and_com("no-such-body")
+    with pytest.raises(SpecError):
+        body_and_com("no-such-file.toml")
