@@ -84,7 +84,7 @@ def built_housing(tmp_path_factory: pytest.TempPathFactory) -> BuiltHousing:
     """The default housing, built by the command line as a user builds it."""
     folder = tmp_path_factory.mktemp("housing") / "out"
     command = [sys.executable, "-m", "gomboc_cad", "build", "imu-housing", "-o", str(folder), "--json"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+    done = subprocess.run(command, capture_output=True, encoding="utf-8", timeout=300, check=False)
     assert done.returncode == 0, done.stderr + done.stdout
     assert done.stderr == ""
     return BuiltHousing(folder, json.loads(done.stdout))

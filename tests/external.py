@@ -151,7 +151,7 @@ def run_program(
             stderr=subprocess.STDOUT,
             env=environment,
             timeout=timeout_s,
-            text=True,
+            encoding="utf-8",
             errors="replace",
             check=False,
         )

@@ -27,7 +27,7 @@ from tests.solid import hostile
 def run(*arguments: str, **options: Any) -> subprocess.CompletedProcess[str]:
     """Run the command line in a process of its own."""
     command = [sys.executable, "-m", "gomboc_cad", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, timeout=240, check=False, **options)
+    return subprocess.run(command, capture_output=True, encoding="utf-8", timeout=240, check=False, **options)
 
 
 def json_of(*arguments: str, code: int = 0) -> dict[str, Any]:
@@ -140,7 +140,7 @@ def test_check_takes_a_unit_a_com_and_a_barrier(tmp_path: Path) -> None:
     low = json_of("check", str(path), "--com-mm", "5,10,1", code=1)
     assert low["poses"][0]["height_mm"] == pytest.approx(1.0)
     assert json_of("check", str(path), "--com-mm", "5,10,1", "--barrier-um", "600")["stable"] == 1
-    ring = hostile.binary_stl(hull_mesh(prism(40, 100.0)))
+    ring = hostile.binary_stl(hostile.Mesh(*hull_mesh(prism(40, 100.0, radius=20.0))))
     path = hostile.write(tmp_path, "rod.stl", ring)
     assert json_of("check", str(path), code=1)["poses"][0]["extent"] == "ring"
     assert json_of("check", str(path), "--faceted", code=1)["stable"] == 42
@@ -362,7 +362,7 @@ def test_an_unverified_body_is_built_on_demand_and_fails(tmp_path: Path) -> None
 def test_an_interrupt_leaves_nothing_behind(tmp_path: Path, sent: signal.Signals) -> None:
     child = subprocess.Popen(
         [sys.executable, "-m", "gomboc_cad", "build", "imu-housing", "-o", str(tmp_path / "out"), "-q"],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8",
     )  # fmt: skip
     deadline = time.monotonic() + 120
     # The output folder is staged beside its place, so its appearance shows that the work is under way.

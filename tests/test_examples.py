@@ -12,7 +12,7 @@ import pytest
 
 def run_example(root: Path, name: str, *arguments: str, cwd: Path) -> str:
     command = [sys.executable, str(root / "examples" / name), *arguments]
-    done = subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=240, check=False)
+    done = subprocess.run(command, capture_output=True, encoding="utf-8", cwd=cwd, timeout=240, check=False)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -47,3 +47,12 @@ def test_to_cadquery(root: Path, tmp_path: Path, cadquery: ModuleType) -> None:
     assert "Lost on the way there and back: 0 mm³" in shown
     removed = float(shown.rsplit("took away ", 1)[1].split()[0])
     assert 0.97 * 5026.5 < removed < 1.05 * 5026.5
+
+
+def test_judge_parts(root: Path, tmp_path: Path) -> None:
+    shown = run_example(root, "judge_parts.py", cwd=tmp_path)
+    assert "primary: monostable" in shown
+    assert "second: multistable" in shown
+    assert shown.count("  a rest, left by raising") == 1 + 2
+    assert "exactly one stable and one unstable equilibrium" in shown
+    assert "Checked again: accepted" in shown

@@ -40,7 +40,7 @@ def loaded_after(statement: str) -> set[str]:
 
     def names(code: str) -> set[str]:
         command = [sys.executable, "-c", code + LIST_LOADED]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        done = subprocess.run(command, capture_output=True, encoding="utf-8", check=False)
         assert done.returncode == 0, done.stderr
         return set(json.loads(done.stdout.splitlines()[-1]))
 
@@ -102,7 +102,7 @@ def distributions(root: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple
 
     def build(target: str, source: Path) -> Path:
         command = [sys.executable, "-m", "hatchling", "build", "-t", target, "-d", str(out)]
-        done = subprocess.run(command, cwd=source, capture_output=True, text=True, check=False)
+        done = subprocess.run(command, cwd=source, capture_output=True, encoding="utf-8", check=False)
         assert done.returncode == 0, done.stderr
         (built,) = out.glob({"sdist": "*.tar.gz", "wheel": "*.whl"}[target])
         return built

@@ -207,7 +207,7 @@ def _census(
     saddles = _saddles(ground, low, stable) + _saddles(ground, high, high.tree.counted(barrier))
     equilibria = tuple(sorted((*poses, *tops, *saddles), key=lambda pose: pose.height_mm))
     persistence = low.tree.persistence
-    height_range = float(ground.vertex_height_mm.max() - ground.face_height_mm.min())
+    height_range = ground.height_range_mm
     verdict, reason = _judge(persistence, poses, sag, uncertainty, barrier, height_range)
     others = np.flatnonzero(~stable)
     others = others[np.argsort(-persistence[others], kind="stable")]
@@ -259,7 +259,7 @@ def _poses(
             kind="stable",
             direction=as_vector(ground.polyhedron.normals[low.tree.bottom[basin]]),
             height_mm=float(low.heights[low.tree.bottom[basin]]),
-            barrier_mm=_finite(climbs[basin]),
+            barrier_mm=float(min(climbs[basin], ground.height_range_mm)),
             probability=float(shares.of_pose[k]) if shares is not None and known else None,
             probability_error=None if shares is None else shares.doubtful,
             extent=_extent(low, basin, barrier, len(chosen)),
@@ -278,7 +278,7 @@ def _tops(ground: Landscape, high: _Side, counted: BoolArray, barrier: float) ->
             kind="unstable",
             direction=_unit_vector(points[high.tree.bottom[basin]]),
             height_mm=float(-high.heights[high.tree.bottom[basin]]),
-            barrier_mm=_finite(climbs[basin]),
+            barrier_mm=float(min(climbs[basin], ground.height_range_mm)),
             extent=_extent(high, basin, barrier, len(chosen)),
         )
         for basin in chosen.tolist()
@@ -301,10 +301,6 @@ def _saddles(ground: Landscape, side: _Side, counted: BoolArray) -> list[Equilib
 def _extent(side: _Side, basin: int, barrier: float, count: int) -> Extent:
     # Each costs a walk over the whole mesh; a part with very many poses is a polyhedron, not a ring.
     return side.relief.extent(int(side.tree.bottom[basin]), barrier) if count <= _MOST_EXTENTS else "point"
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
 
 
 def _unit_vector(vector: Array) -> Vector:

@@ -55,6 +55,11 @@ class Landscape:
     vertex_height_mm: Array
 
     @property
+    def height_range_mm(self) -> float:
+        """Highest less lowest height."""
+        return float(self.vertex_height_mm.max() - self.face_height_mm.min())
+
+    @property
     def stable(self) -> BoolArray:
         """Which faces are stable."""
         return _all(self.inside, self.polyhedron.face, self.polyhedron.face_count)

@@ -54,7 +54,8 @@ class Equilibrium:
         stiffness_mm: Eigenvalues (smaller, larger) of the Hessian of the height; None on a polyhedron,
             whose height has kinks.
         barrier_mm: How far the COM has to rise (for an unstable pose: to sink) before the body passes to
-            another equilibrium of the same kind; None if there is no other, or where it was not computed.
+            another equilibrium of the same kind; if there is no other, all the way to the opposite one. None
+            for saddles and in a smooth census.
         probability: Share of the orientations from which a quasi-static release ends in this stable pose;
             None for other kinds, or where it was not computed.
         probability_error: Share of the orientations for which the roughness of the mesh decides between two

@@ -20,7 +20,7 @@ from OCP.Quantity import Quantity_Color, Quantity_TypeOfColor
 from OCP.STEPCAFControl import STEPCAFControl_Controller, STEPCAFControl_Reader, STEPCAFControl_Writer
 from OCP.STEPConstruct import STEPConstruct, STEPConstruct_Styles
 from OCP.STEPControl import STEPControl_StepModelType
-from OCP.StepRepr import StepRepr_HArray1OfRepresentationItem
+from OCP.StepRepr import StepRepr_HArray1OfRepresentationItem, StepRepr_NextAssemblyUsageOccurrence
 from OCP.StepVisual import StepVisual_MechanicalDesignGeometricPresentationRepresentation
 from OCP.TCollection import TCollection_ExtendedString, TCollection_HAsciiString
 from OCP.TDataStd import TDataStd_Name
@@ -73,6 +73,7 @@ def step_bytes(parts: Sequence[NamedSolid], name: str, date: datetime) -> bytes:
         raise OutputError(f"OCCT could not translate {name!r} to STEP; please report the model.")
     for part in own:
         _add_color(writer, part)
+    _number_occurrences(writer)
     header = APIHeaderSection_MakeHeader(writer.Writer().Model())
     header.SetName(_ascii(name))
     header.SetTimeStamp(_ascii(date.strftime("%Y-%m-%dT%H:%M:%S")))
@@ -174,6 +175,15 @@ def _add_color(writer: STEPCAFControl_Writer, part: NamedSolid) -> None:
     items = StepRepr_HArray1OfRepresentationItem(1, 1, styled)
     presentation.Init(_ascii(""), items, styles.FindContext(part.solid.wrapped))
     writer.Writer().Model().AddWithRefs(presentation)
+
+
+def _number_occurrences(writer: STEPCAFControl_Writer) -> None:
+    """Number the parts of the assembly from 1; OCCT goes on counting from file to file."""
+    model = writer.Writer().Model()
+    entities = (model.Value(index) for index in range(1, model.NbEntities() + 1))
+    occurrences = (e for e in entities if isinstance(e, StepRepr_NextAssemblyUsageOccurrence))
+    for number, occurrence in enumerate(occurrences, start=1):
+        occurrence.SetId(_ascii(str(number)))
 
 
 def _own_geometry(solid: Shape) -> Shape:

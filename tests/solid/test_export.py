@@ -148,6 +148,13 @@ def test_3mf_members_carry_the_fixed_date(files: Path) -> None:
 
 
 @pytest.mark.slow
+def test_writing_an_assembly_again_in_one_process_gives_the_same_bytes(tmp_path: Path) -> None:
+    parts = [NamedSolid(name, Solid.make_box(1.0, 2.0, size)) for name, size in (("a", 3.0), ("b", 4.0))]
+    for name in ("one", "two"):
+        write_step(tmp_path / f"{name}.step", parts, "boxes")
+    assert (tmp_path / "one.step").read_bytes() == (tmp_path / "two.step").read_bytes()
+
+
 def test_writing_twice_gives_the_same_bytes(tmp_path: Path, files: Path, root: Path) -> None:
     """A process of its own, with other hashes and other addresses, makes everything again."""
     script = (

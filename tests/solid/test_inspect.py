@@ -20,7 +20,7 @@ from gomboc_cad.solid.inspect import Expected, FileInspection, inspect_file
 from gomboc_cad.solid.mass import solid_mass
 from gomboc_cad.solid.mesh import body_mesh
 from gomboc_cad.solid.offset import InsetSurface
-from gomboc_cad.solid.patches import inset_solid, interpolate_patches, patches_solid
+from gomboc_cad.solid.patches import body_solid, inset_solid, interpolate_patches, patches_solid
 from tests.solid.conftest import SAG_UM, Halves
 
 
@@ -185,14 +185,14 @@ def test_a_step_file_of_another_wall_is_found(tmp_path: Path, primary: Body, exp
     write_step(tmp_path / "thin.step", [NamedSolid("primary", thin)], "primary")
     found = inspect_file(tmp_path / "thin.step", [expected_body])
     assert "has a volume of" in found.problems[0]
-    assert "1.07 µm away from the model's surface" in found.problems[-1]
+    assert "1 µm away from the model's surface" in found.problems[-1]
 
 
 def test_a_coarse_fit_in_a_step_file_is_found(tmp_path: Path, primary: Body, expected_body: Expected) -> None:
     coarse = patches_solid(interpolate_patches(primary.position_mm, 9))
     write_step(tmp_path / "coarse.step", [NamedSolid("primary", coarse)], "primary")
     found = inspect_file(tmp_path / "coarse.step", [expected_body])
-    assert any("0.1 µm are promised" in problem for problem in found.problems)
+    assert any("0.02 µm are promised" in problem for problem in found.problems)
 
 
 def test_missing_unknown_and_double_parts_are_named(
@@ -202,7 +202,7 @@ def test_missing_unknown_and_double_parts_are_named(
     write_3mf(tmp_path / "a.3mf", [NamedMesh("stranger", found)])
     problems = inspect_file(tmp_path / "a.3mf", [expected_body]).problems
     assert problems == ("a.3mf lacks the part 'primary'.", "a.3mf holds an unknown part 'stranger'.")
-    solid = patches_solid(interpolate_patches(primary.position_mm, 17))
+    solid = body_solid(primary)
     write_step(tmp_path / "a.step", [NamedSolid("primary", solid), NamedSolid("primary", solid)], "twice")
     assert inspect_file(tmp_path / "a.step", [expected_body]).problems == (
         "a.step holds 'primary' more than once.",

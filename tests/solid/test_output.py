@@ -83,7 +83,7 @@ def test_a_real_limit_of_the_system_leaves_nothing(tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-B", "-c", script, str(tmp_path / "a.bin")],
         capture_output=True,
-        text=True,
+        encoding="utf-8",
         check=False,
     )
     assert done.returncode == 1

@@ -626,9 +626,8 @@ print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)
 )
 def test_hostile_files_take_little_memory(tmp_path: Path, name: str, make) -> None:
     path = write(tmp_path, name, make())
-    done = subprocess.run(
-        [sys.executable, "-c", MEASURE, str(path)], capture_output=True, text=True, timeout=60, check=False
-    )
+    command = [sys.executable, "-c", MEASURE, str(path)]
+    done = subprocess.run(command, capture_output=True, encoding="utf-8", timeout=60, check=False)
     assert done.returncode == 0, done.stderr
     kilobytes = int(done.stdout) if sys.platform == "linux" else int(done.stdout) // 1024
     assert kilobytes < 200_000

@@ -90,7 +90,7 @@ def test_patches_meet_smoothly(primary: Body) -> None:
 
 def test_a_body_that_is_not_smooth_enough_is_refused() -> None:
     # Sloan 1 has a jump in its second derivatives at the poles.
-    with pytest.raises(GeometryError, match=r"cannot be drawn to 0\.1 µm.*deviates by"):
+    with pytest.raises(GeometryError, match=r"cannot be drawn to 0\.02 µm.*deviates by"):
         body_solid(make_body("sloan1", 0.03))
 
 

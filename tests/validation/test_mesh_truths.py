@@ -128,6 +128,7 @@ def test_a_loaded_sphere_is_monostable(lowered: float) -> None:
     assert (census.verdict, census.stable, census.unstable) == ("monostable", 1, 1)
     assert census.rest.direction == pytest.approx((0.0, 0.0, -1.0), abs=0.05)
     assert census.height_range_mm == pytest.approx(2.0 * lowered, abs=1e-3)
+    assert [e.barrier_mm for e in census.equilibria] == [census.height_range_mm] * 2
 
 
 @given(seed=st.integers(0, 2**32 - 1))
