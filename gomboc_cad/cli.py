@@ -5,11 +5,31 @@ from __future__ import annotations
 import signal
 import sys
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 from typer.exceptions import TyperException
 
+from gomboc_cad.arguments import (
+    AsJson,
+    Audit,
+    Beta,
+    BodyName,
+    Coefficients,
+    ComOption,
+    Diameter,
+    FamilyName,
+    Force,
+    Output,
+    Quiet,
+    Subject,
+    chosen_body,
+    chosen_body_and_com,
+    exact_decimals,
+    numbers,
+    require_absent,
+    with_figure,
+)
 from gomboc_cad.console import (
     Reporter,
     show_body,
@@ -31,30 +51,6 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-
-BodyName = Annotated[
-    str | None, typer.Argument(metavar="[BODY]", help="Catalogue name, for example primary.")
-]
-Subject = Annotated[
-    str | None,
-    typer.Argument(metavar="[BODY|SPEC]", help="Catalogue name, a TOML file, or a product: imu-housing."),
-]
-FamilyName = Annotated[
-    str | None,
-    typer.Option("--family", metavar="NAME", help="sloan1, sloan2, extended or harmonic, instead of BODY."),
-]
-Beta = Annotated[float | None, typer.Option("--beta", help="Amplitude of a Sloan family.")]
-Coefficients = Annotated[
-    list[str] | None,
-    typer.Option("--coef", metavar="K=A", help="Coefficient k=a, or l,m=c for harmonic; repeatable."),
-]
-Diameter = Annotated[float, typer.Option("--diameter-mm", help="Nominal diameter 2 R0.")]
-ComOption = Annotated[str | None, typer.Option("--com-mm", metavar="X,Y,Z", help="Centre of mass.")]
-Output = Annotated[Path, typer.Option("--output", "-o", help="Folder to write to.")]
-Force = Annotated[bool, typer.Option("--force", help="Overwrite files of the same names.")]
-Audit = Annotated[bool, typer.Option("--audit", help="Inspect the meshes with PyMeshLab too (extra: audit).")]
-AsJson = Annotated[bool, typer.Option("--json", help="One JSON object on stdout, nothing else there.")]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no tables.")]
 
 
 def _version(wanted: bool) -> None:
@@ -102,8 +98,8 @@ def census(
     from gomboc_cad.documents import census_document, hull_census_document
     from gomboc_cad.equilibria import hull_census, smooth_census
 
-    chosen = _body(body, family, beta, coef, diameter_mm)
-    com = None if com_mm is None else _numbers("--com-mm", com_mm)
+    chosen = chosen_body(body, family, beta, coef, diameter_mm)
+    com = None if com_mm is None else numbers("--com-mm", com_mm)
     try:
         found = smooth_census(chosen, com)
         document = census_document(chosen, found)
@@ -136,7 +132,7 @@ def bare_body(
     from gomboc_cad.products.bare_body import STAGES, write_body
 
     reporter = Reporter(json, quiet)
-    chosen = _body(body, family, beta, coef, diameter_mm)
+    chosen = chosen_body(body, family, beta, coef, diameter_mm)
     with reporter.stages(STAGES) as progress:
         document = write_body(
             chosen,
@@ -181,7 +177,7 @@ def check(
     from gomboc_cad.solid.check import check_part
 
     reporter = Reporter(json, quiet)
-    com = None if com_mm is None else _numbers("--com-mm", com_mm)
+    com = None if com_mm is None else numbers("--com-mm", com_mm)
     with reporter.stages(None) as progress:
         found = check_part(
             file, com_mm=com, unit=unit, barrier_um=barrier_um, faceted=faceted, progress=progress
@@ -228,9 +224,9 @@ def certify(
         document = verification_document(read, checked, perf_counter() - begin)
         reporter.document(document, show_certificate)
         return PASSED if checked.accepted and read.status == "proven" else FAILED
-    parameters = _exact_parameters(body, family, beta, coef)
+    parameters = exact_decimals(body, family, beta, coef)
     if output is not None:
-        _require_absent(output, force)
+        require_absent(output, force)
     with reporter.stages(STAGES) as progress:
         made = certificate.certify(parameters, progress)
     if output is not None:
@@ -261,8 +257,8 @@ def zone(
     from gomboc_cad.report.zone_figures import write_zone
 
     reporter = Reporter(json, quiet)
-    files = _with_figure(output, ".stl", force)
-    chosen, com = _body_and_com(body, family, beta, coef, diameter_mm, com_mm)
+    files = with_figure(output, ".stl", force)
+    chosen, com = chosen_body_and_com(body, family, beta, coef, diameter_mm, com_mm)
     with reporter.stages(STAGES) as progress:
         found = loading_zone(chosen, com, progress=progress)
     if files:
@@ -294,8 +290,8 @@ def drillmap(
     from gomboc_cad.report.drill_figures import draw_drill_map, write_drill_table
 
     reporter = Reporter(json, quiet)
-    files = _with_figure(output, ".csv", force)
-    chosen, com = _body_and_com(body, family, beta, coef, diameter_mm, com_mm)
+    files = with_figure(output, ".csv", force)
+    chosen, com = chosen_body_and_com(body, family, beta, coef, diameter_mm, com_mm)
     with reporter.stages(None) as progress:
         progress("mapping the surface")
         found = drill_map(chosen, com, sites=sites)
@@ -329,92 +325,6 @@ def build(
         )
     reporter.document(document, show_build)
     return PASSED if document["verdict"] == "PASS" else FAILED
-
-
-def _body(
-    name: str | None,
-    family: str | None,
-    beta: float | None,
-    coefficients: list[str] | None,
-    diameter_mm: float,
-) -> Any:
-    """Make the body that the options describe."""
-    from gomboc_cad.body import make_body
-    from gomboc_cad.body.catalogue import named_body
-
-    if (name is None) == (family is None):
-        raise GombocError("Give either the name of a body (gomboc-cad catalog lists them) or --family.")
-    if not 1.0 <= diameter_mm <= 1e5:
-        raise GombocError(f"--diameter-mm {diameter_mm:g} is not allowed; choose a size from 1 to 100000 mm.")
-    if name is not None:
-        if beta is not None or coefficients:
-            raise GombocError("--beta and --coef go with --family, not with the name of a body.")
-        return named_body(name, diameter_mm)
-    terms = {}
-    for text in coefficients or []:
-        key, _, value = text.partition("=")
-        terms[key.strip()] = _numbers("--coef", value, count=1)[0]
-    return make_body(family or "", beta, terms, diameter_mm=diameter_mm)
-
-
-def _body_and_com(
-    name: str | None,
-    family: str | None,
-    beta: float | None,
-    coefficients: list[str] | None,
-    diameter_mm: float,
-    com_mm: str | None,
-) -> tuple[Any, Any]:
-    """The body and the centre of mass of a product or of a bare body; another one if it is given."""
-    from gomboc_cad.products.subject import body_and_com, is_spec
-
-    subject: Any = name
-    if name is None or not is_spec(name):
-        subject = _body(name, family, beta, coefficients, diameter_mm)
-    elif family is not None or beta is not None or coefficients:
-        raise GombocError("--family, --beta and --coef go with a bare body, not with a product.")
-    chosen, com = body_and_com(subject)
-    return chosen, com if com_mm is None else _numbers("--com-mm", com_mm)
-
-
-def _with_figure(path: Path | None, suffix: str, force: bool) -> tuple[Path, ...]:
-    """A file to write and the figure beside it; nothing if no file is wanted."""
-    if path is None:
-        return ()
-    if path.suffix.lower() != suffix:
-        raise GombocError(f"{path} must end in {suffix}; a figure of the same name is written beside it.")
-    files = (path, path.with_suffix(".png"))
-    for file in files:
-        _require_absent(file, force)
-    return files
-
-
-def _exact_parameters(
-    name: str | None, family: str | None, beta: float | None, coefficients: list[str] | None
-) -> Any:
-    """The decimals of the body that the options describe, as they were written."""
-    from gomboc_cad.body.catalogue import ExactParameters, exact_parameters
-
-    body = _body(name, family, beta, coefficients, diameter_mm=100.0)
-    return ExactParameters.of(body) if name is None else exact_parameters(name)
-
-
-def _require_absent(path: Path, force: bool) -> None:
-    if path.is_dir():
-        raise GombocError(f"{path} is a folder; name a file to write to.")
-    if path.exists() and not force:
-        raise GombocError(f"{path} is there already; give another name, or --force to replace it.")
-
-
-def _numbers(option: str, text: str, count: int = 3) -> list[float]:
-    try:
-        values = [float(part) for part in text.split(",")]
-    except ValueError:
-        values = []
-    if len(values) != count:
-        form = "three numbers X,Y,Z in mm" if count == 3 else "K=A with a number A"
-        raise GombocError(f"{option} needs {form}, not {text!r}.")
-    return values
 
 
 def main() -> None:

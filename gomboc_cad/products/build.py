@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,8 @@ from gomboc_cad import __version__
 from gomboc_cad.documents import file_document, rest_document
 from gomboc_cad.equilibria.records import as_vector
 from gomboc_cad.products.assembly import Assembly
+from gomboc_cad.products.bill_of_materials import FILE_NAME as BILL_FILE
+from gomboc_cad.products.bill_of_materials import bill_csv, bill_of_materials
 from gomboc_cad.products.body_spec import require_verified
 from gomboc_cad.products.imu_housing import LOWER, UPPER, HousingDesign, design_imu_housing
 from gomboc_cad.products.inheritance import inheritance_document, inheritance_reasons, inherited
@@ -75,6 +78,7 @@ def build_product(
         expected = _write(design, staging)
         progress("reading the files back")
         found = [inspect_file(staging / name, parts, audit) for name, parts in expected.items()]
+        found.append(_write_bill(design.assembly, staging))
         progress("judging")
         verdict = judge(body, design.assembly.com_mm, _problems(design, found))
         transferred = _transfer(design, verdict, staging)
@@ -122,6 +126,13 @@ def _write(design: HousingDesign, staging: Path) -> dict[str, list[Expected]]:
     )
     expected[f"{assembly.name}.3mf"] = list(as_meshes.values())
     return expected
+
+
+def _write_bill(assembly: Assembly, staging: Path) -> FileInspection:
+    """Write the bill of materials; a table has nothing to read back."""
+    data = bill_csv(bill_of_materials(assembly.parts))
+    write_bytes(staging / BILL_FILE, data)
+    return FileInspection(BILL_FILE, "csv", hashlib.sha256(data).hexdigest(), len(data), (), ())
 
 
 def _problems(design: HousingDesign, found: list[FileInspection]) -> tuple[str, ...]:
