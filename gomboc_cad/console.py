@@ -146,7 +146,7 @@ def _barriers(poses: list[dict[str, Any]]) -> Any:
             pose.get("kind", "stable"),
             _vector(pose["direction"], 5),
             f"{pose['height_mm']:.6f} mm",
-            "–" if barrier is None else f"{barrier:.4g} µm",
+            "–" if barrier is None else _length(barrier),
             "–" if share is None else f"{100 * share:.1f} %",
         )
     return table
@@ -268,6 +268,10 @@ def show_build(document: dict[str, Any]) -> None:
         facts.add_row("S-margin left", f"{document['s_margin_mm']:.4g} mm")
         _rest_rows(facts, document["rest"])
     _print(parts, facts, *_reasons(document), _files(document))
+
+
+def _length(length_um: float) -> str:
+    return f"{length_um:.4g} µm" if length_um < 1e3 else f"{1e-3 * length_um:.4g} mm"
 
 
 def _rest_rows(table: Any, rest: dict[str, Any]) -> None:
