@@ -5,13 +5,19 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 from pydantic import Field, model_validator
 
+from gomboc_cad.body.sphere import Array, unit
 from gomboc_cad.errors import SpecError
 from gomboc_cad.products.toml_model import Coordinate, Number, Point, Text, TomlModel, parse_model, read_toml
 from gomboc_cad.resources import template_folder
 
 Size = Annotated[Number, Field(gt=0.0, le=500.0)]
+Source = Annotated[str, Field(strict=True, min_length=1, max_length=800)]
+
+_SQUARE = 1e-6
+"""Largest cosine between two axes that count as square to each other."""
 
 
 class MountingHole(TomlModel):
@@ -28,16 +34,36 @@ class Sensor(TomlModel):
     Attributes:
         part: Manufacturer's part name.
         position_mm: Centre of the package in the board's frame.
-        x_axis: Direction of the sensor's x-axis in the board's frame.
-        y_axis: Direction of the sensor's y-axis in the board's frame.
+        x_axis: Direction of the accelerometer's x-axis in the board's frame, of any length.
+        y_axis: Direction of its y-axis; z completes a right-handed frame.
         axes_note: What the axes rest on.
+        misalignment_deg: How far each axis may be off its place on the board; None if nobody says.
+        misalignment_source: Where that comes from.
     """
 
     part: Text
     position_mm: Point
     x_axis: Point
     y_axis: Point
-    axes_note: Text
+    axes_note: Source
+    misalignment_deg: Annotated[Number, Field(ge=0.0, le=45.0)] | None = None
+    misalignment_source: Source | None = None
+
+    @model_validator(mode="after")
+    def _square(self) -> Sensor:
+        directions = np.array([self.x_axis, self.y_axis])
+        if not directions.any(axis=1).all():
+            raise ValueError("x_axis and y_axis must not be zero")
+        if abs(float(np.prod(unit(directions), axis=0).sum())) > _SQUARE:
+            raise ValueError("x_axis and y_axis are not square to each other")
+        if (self.misalignment_deg is None) != (self.misalignment_source is None):
+            raise ValueError("misalignment_deg and misalignment_source go together")
+        return self
+
+    def axes(self) -> Array:
+        """Rotation from the sensor's frame to the board's: its columns are x, y and z, shape (3, 3)."""
+        x, y = unit(np.array([self.x_axis, self.y_axis]))
+        return np.column_stack([x, y, np.cross(x, y)])
 
 
 class Board(TomlModel):
@@ -56,10 +82,11 @@ class Board(TomlModel):
         holes: Mounting holes.
         mass_g: Mass with everything soldered to it.
         mass_tolerance_g: How far the mass may be off.
-        com_mm: Centre of mass in the board's frame.
+        com_mm: Centre of mass in the board's frame; it need not be over the middle.
+        com_tolerance_mm: How far it may be off along each axis.
         sensor: The sensor.
         source: Where the dimensions come from.
-        mass_source: Where mass and centre of mass come from.
+        mass_source: Where mass, centre of mass and their tolerances come from.
     """
 
     name: Text
@@ -73,9 +100,10 @@ class Board(TomlModel):
     mass_g: Annotated[Number, Field(gt=0.0, le=5000.0)]
     mass_tolerance_g: Annotated[Number, Field(ge=0.0, le=1000.0)]
     com_mm: Point
+    com_tolerance_mm: Annotated[Number, Field(ge=0.0, le=100.0)] = 0.0
     sensor: Sensor
-    source: Text
-    mass_source: Text
+    source: Source
+    mass_source: Source
 
     @model_validator(mode="after")
     def _consistent(self) -> Board:
@@ -90,12 +118,20 @@ class Board(TomlModel):
             inside_x = radius <= hole.x_mm <= self.length_mm - radius
             if not (inside_x and radius <= hole.y_mm <= self.width_mm - radius):
                 raise ValueError(f"the hole at ({hole.x_mm:g}, {hole.y_mm:g}) is not inside the outline")
-        x, y, z = self.com_mm
-        if not (
-            0 <= x <= self.length_mm and 0 <= y <= self.width_mm and -self.below_mm <= z <= self.height_mm
-        ):
-            raise ValueError(f"com_mm = ({x:g}, {y:g}, {z:g}) is not inside the board's box")
+        for key, (x, y, z) in (("com_mm", self.com_mm), ("sensor.position_mm", self.sensor.position_mm)):
+            across = 0 <= x <= self.length_mm and 0 <= y <= self.width_mm
+            if not (across and -self.below_mm <= z <= self.height_mm):
+                raise ValueError(f"{key} = ({x:g}, {y:g}, {z:g}) is not inside the board's box")
         return self
+
+
+def board_names() -> tuple[str, ...]:
+    """Names of the boards that come with the package."""
+    return tuple(sorted(file.stem for file in _template_boards().glob("*.toml")))
+
+
+def _template_boards() -> Path:
+    return template_folder() / "boards"
 
 
 def load_board(name: str, beside: Path | None = None) -> Board:
@@ -111,11 +147,10 @@ def load_board(name: str, beside: Path | None = None) -> Board:
     if name.endswith(".toml"):
         path = (beside or Path()) / name
     else:
-        folder = template_folder() / "boards"
-        known = sorted(file.stem for file in folder.glob("*.toml"))
+        known = board_names()
         if name not in known:
             raise SpecError(
                 f"There is no board {name!r}; choose one of {', '.join(known)}, or give a .toml file."
             )
-        path = folder / f"{name}.toml"
+        path = _template_boards() / f"{name}.toml"
     return parse_model(Board, read_toml(path), path.name)

@@ -16,6 +16,7 @@ from gomboc_cad.products.assembly import Assembly
 from gomboc_cad.products.bill_of_materials import FILE_NAME as BILL_FILE
 from gomboc_cad.products.bill_of_materials import bill_csv, bill_of_materials
 from gomboc_cad.products.body_spec import require_verified
+from gomboc_cad.products.calibration import calibrate_housing, calibration_document
 from gomboc_cad.products.imu_housing import LOWER, UPPER, HousingDesign, design_imu_housing
 from gomboc_cad.products.inheritance import inheritance_document, inheritance_reasons, inherited
 from gomboc_cad.products.spec import load_spec, spec_path
@@ -32,6 +33,7 @@ from gomboc_cad.solid.transfer import Transfer
 
 STAGES = 7
 VERDICT_FILE = "verdict.json"
+CALIBRATION_FILE = "calibration.json"
 
 _BOUGHT_PART_DEVIATION_UM = 0.1
 """How far the knurled and threaded surfaces of bought parts may move on the way through a STEP file."""
@@ -81,10 +83,10 @@ def build_product(
         found.append(_write_bill(design.assembly, staging))
         progress("judging")
         verdict = judge(body, design.assembly.com_mm, _problems(design, found))
+        found += _write_calibration(design, verdict, staging)
         transferred = _transfer(design, verdict, staging)
         document = _document(design, verdict, found, transferred)
-        text = json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-        write_bytes(staging / VERDICT_FILE, text.encode())
+        write_bytes(staging / VERDICT_FILE, _json_bytes(document))
     # Not in the file, which is to be the same wherever it is written.
     return {"folder": str(folder), **document}
 
@@ -129,10 +131,26 @@ def _write(design: HousingDesign, staging: Path) -> dict[str, list[Expected]]:
 
 
 def _write_bill(assembly: Assembly, staging: Path) -> FileInspection:
-    """Write the bill of materials; a table has nothing to read back."""
-    data = bill_csv(bill_of_materials(assembly.parts))
-    write_bytes(staging / BILL_FILE, data)
-    return FileInspection(BILL_FILE, "csv", hashlib.sha256(data).hexdigest(), len(data), (), ())
+    """Write the bill of materials."""
+    return _write_text(staging / BILL_FILE, bill_csv(bill_of_materials(assembly.parts)))
+
+
+def _write_calibration(design: HousingDesign, verdict: Verdict, staging: Path) -> list[FileInspection]:
+    """Write what the sensor reads at rest; a housing with several rests has nothing to calibrate with."""
+    if verdict.census is None or verdict.census.stable != 1:
+        return []
+    document = calibration_document(calibrate_housing(design, verdict.census))
+    return [_write_text(staging / CALIBRATION_FILE, _json_bytes(document))]
+
+
+def _write_text(path: Path, data: bytes) -> FileInspection:
+    """Write a table or document, which has nothing to read back."""
+    write_bytes(path, data)
+    return FileInspection(path.name, path.suffix[1:], hashlib.sha256(data).hexdigest(), len(data), (), ())
+
+
+def _json_bytes(document: dict[str, Any]) -> bytes:
+    return (json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()
 
 
 def _problems(design: HousingDesign, found: list[FileInspection]) -> tuple[str, ...]:
@@ -218,15 +236,21 @@ def _document(
         "reasons": [
             *verdict.reasons,
             *inheritance_reasons(transferred),
-            *map(_sentence, sensitivities),
+            *(_sentence(item, margin.s_margin_mm) for item in sensitivities if margin),
         ],
     }
 
 
-def _sentence(item: Sensitivity) -> str:
-    return (
+def _sentence(item: Sensitivity, s_margin_mm: float) -> str:
+    said = (
         f"{item.source[0].upper()}{item.source[1:]} moves the centre of mass by {item.com_error_um:.3g} µm "
-        f"and tilts the rest by {item.tilt_deg:.2g}°."
+        f"and tilts the rest by {item.tilt_deg:.2g}°"
+    )
+    if item.com_error_um < 1e3 * s_margin_mm:
+        return f"{said}."
+    return (
+        f"{said}; that is beyond the S-margin of {1e3 * s_margin_mm:.3g} µm, so a second rest cannot be "
+        "ruled out: weigh it and give the mass with a smaller tolerance."
     )
 
 
