@@ -61,6 +61,11 @@ def test_the_census_of_meshes_loads_only_what_scipys_graphs_load() -> None:
     assert loaded_after("from gomboc_cad.equilibria import mesh_census\n") <= {"gomboc_cad"} | scipys
 
 
+def test_hydrostatics_loads_no_more_than_that() -> None:
+    scipys = loaded_after("import scipy.sparse.csgraph, scipy.spatial\n")
+    assert loaded_after("import gomboc_cad.hydrostatics\n") <= {"gomboc_cad"} | scipys
+
+
 def test_the_certificate_loads_only_ball_arithmetic_besides() -> None:
     loaded = loaded_after("import gomboc_cad.equilibria.certificate\n")
     assert loaded <= {"gomboc_cad", "numpy", "scipy", "flint"}

@@ -102,6 +102,23 @@ def _from_moments(moments: Array, radius_mm: float) -> MassProperties:
     return MassProperties.from_arrays(float(volume) * radius_mm**3, centroid * radius_mm, inertia)
 
 
+def is_closed_mesh(faces: IntArray, count: int) -> bool:
+    """Whether each directed edge of a triangle mesh has one partner that runs back.
+
+    Args:
+        faces: Indices of corners, shape (m, 3).
+        count: Number of vertices.
+    """
+    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    if len(start) % 2:
+        return False
+    # An edge and its partner differ in the last bit only, so they are neighbours in order.
+    keys = 2 * (np.minimum(start, end) * count + np.maximum(start, end)) + (start > end)
+    keys.sort()
+    forth, back = keys[0::2], keys[1::2]
+    return bool(np.all((forth % 2 == 0) & (back == forth + 1)) and np.all(np.diff(forth) > 0))
+
+
 def mesh_mass(vertices_mm: Array, faces: IntArray) -> MassProperties:
     """Integrate exactly over the polyhedron that a closed, outward oriented mesh bounds.
 

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gomboc_cad.body.mass import MassProperties, mesh_mass
+from gomboc_cad.body.mass import MassProperties, is_closed_mesh, mesh_mass
 from gomboc_cad.body.sphere import Array, BoolArray, IntArray, tangent_frame
 from gomboc_cad.equilibria.convexity import as_point
 from gomboc_cad.equilibria.extent import Relief
@@ -84,7 +84,7 @@ def mesh_census(
         DegenerateEquilibriaError: If rounding makes the counts contradict Poincaré–Hopf.
     """
     points, faces = _checked(vertices, faces, barrier_mm, sag_mm)
-    mass = mesh_mass(points, faces) if _is_closed(faces, len(points)) else None
+    mass = mesh_mass(points, faces) if is_closed_mesh(faces, len(points)) else None
     if com is None and (mass is None or not mass.volume_mm3 > 0.0):
         raise CensusError(
             "The mesh is not closed, or turned inside out, so it has no centre of mass of its own; repair it "
@@ -132,18 +132,6 @@ def _ground(points: Array, center: Array) -> Landscape:
         with suppress(DegenerateEquilibriaError):
             return landscape(convex_polyhedron(points[np.sort(first)], width), center)
     return landscape(convex_polyhedron(points), center)
-
-
-def _is_closed(faces: IntArray, count: int) -> bool:
-    """Whether each directed edge has one partner that runs back."""
-    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-    if len(start) % 2:
-        return False
-    # An edge and its partner differ in the last bit only, so they are neighbours in order.
-    keys = 2 * (np.minimum(start, end) * count + np.maximum(start, end)) + (start > end)
-    keys.sort()
-    forth, back = keys[0::2], keys[1::2]
-    return bool(np.all((forth % 2 == 0) & (back == forth + 1)) and np.all(np.diff(forth) > 0))
 
 
 class _Side(NamedTuple):
