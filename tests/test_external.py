@@ -1,4 +1,4 @@
-"""The helpers that run outside programs notice failure; without this a broken check would pass."""
+"""The functions that run outside programs notice failure; without this a broken check would pass."""
 
 from __future__ import annotations
 
