@@ -7,6 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from gomboc_cad.body.arrays import finite_vector
 from gomboc_cad.body.sphere import Array
 from gomboc_cad.body.surface import Body
 from gomboc_cad.equilibria.cells import SphereMinimum, minimise_on_sphere
@@ -23,11 +24,8 @@ def as_point(values: Sequence[float] | Array) -> Array:
     Raises:
         CensusError: If it is not three finite numbers.
     """
-    try:
-        point = np.array(values, dtype=float)
-    except (TypeError, ValueError):
-        point = np.empty(0)
-    if point.shape != (3,) or not np.all(np.isfinite(point)):
+    point = finite_vector(values)
+    if point is None:
         raise CensusError(f"The centre of mass must be three finite numbers in mm, not {values!r}.")
     return point
 

@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gomboc_cad.body.arrays import triangle_mesh
 from gomboc_cad.body.mass import MassProperties, is_closed_mesh, mesh_mass
 from gomboc_cad.body.sphere import Array, BoolArray, IntArray, tangent_frame
 from gomboc_cad.equilibria.convexity import as_point
@@ -94,12 +95,16 @@ def mesh_census(
     used = np.flatnonzero(np.bincount(faces.ravel()))
     ground = _ground(points[used], center)
     polyhedron = ground.polyhedron
-    sags = edge_sags_mm(polyhedron)
-    sag = float(sags.max()) if sag_mm is None else sag_mm
-    uncertainty = sag + polyhedron.precision_mm
-    if com is None and mass is not None and sag_mm is None:
-        # A shift of the COM changes the difference of two heights by twice itself at most.
-        uncertainty += 2.0 * com_shift_mm(polyhedron, sags, center, mass.volume_mm3)
+    uncertainty = polyhedron.precision_mm
+    if sag_mm is not None:
+        sag = sag_mm
+    else:
+        sags = edge_sags_mm(polyhedron)
+        sag = float(sags.max())
+        if com is None and mass is not None:
+            # A shift of the COM changes the difference of two heights by twice itself at most.
+            uncertainty += 2.0 * com_shift_mm(polyhedron, sags, center, mass.volume_mm3)
+    uncertainty += sag
     barrier = uncertainty if barrier_mm is None else barrier_mm
     return _census(ground, mass, sag, uncertainty, barrier, probabilities)
 
@@ -107,17 +112,10 @@ def mesh_census(
 def _checked(
     vertices: Array, faces: IntArray, barrier_mm: float | None, sag_mm: float | None
 ) -> tuple[Array, IntArray]:
-    points, triangles = np.asarray(vertices, dtype=float), np.asarray(faces)
-    if points.ndim != 2 or points.shape[1] != 3 or triangles.ndim != 2 or triangles.shape[1] != 3:
-        raise CensusError("A mesh census needs vertices of shape (n, 3) and faces of shape (m, 3).")
-    if len(triangles) == 0 or not np.issubdtype(triangles.dtype, np.integer):
-        raise CensusError("The mesh has no triangles; faces are rows of three vertex indices.")
-    if triangles.min() < 0 or triangles.max() >= len(points):
-        raise CensusError("A triangle of the mesh refers to a vertex that does not exist; repair the file.")
     for name, value in (("barrier", barrier_mm), ("sag", sag_mm)):
         if value is not None and not 0.0 <= value < np.inf:
             raise CensusError(f"The {name} must be a length of zero or more, not {value!r}.")
-    return points, triangles.astype(np.int64, copy=False)
+    return triangle_mesh(vertices, faces, CensusError)
 
 
 def _ground(points: Array, center: Array) -> Landscape:
@@ -189,10 +187,10 @@ def _census(
     probabilities: bool,
 ) -> Census:
     low, high = _minima(ground), _maxima(ground)
-    stable = low.tree.counted(barrier)
+    stable, unstable = low.tree.counted(barrier), high.tree.counted(barrier)
     poses = _poses(ground, low, stable, barrier, uncertainty if probabilities else None)
-    tops = _tops(ground, high, high.tree.counted(barrier), barrier)
-    saddles = _saddles(ground, low, stable) + _saddles(ground, high, high.tree.counted(barrier))
+    tops = _tops(ground, high, unstable, barrier)
+    saddles = _saddles(ground, low, stable) + _saddles(ground, high, unstable)
     equilibria = tuple(sorted((*poses, *tops, *saddles), key=lambda pose: pose.height_mm))
     persistence = low.tree.persistence
     height_range = ground.height_range_mm

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from gomboc_cad.body.arrays import finite_vector
 from gomboc_cad.body.sphere import Array, IntArray, unit
 from gomboc_cad.equilibria.records import as_vector
 from gomboc_cad.errors import GeometryError
@@ -69,11 +70,8 @@ def floating_landscape(
 
 
 def _as_vector(values: Sequence[float] | Array, name: str) -> Array:
-    try:
-        vector = np.array(values, dtype=float)
-    except (TypeError, ValueError):
-        vector = np.empty(0)
-    if vector.shape != (3,) or not np.all(np.isfinite(vector)):
+    vector = finite_vector(values)
+    if vector is None:
         raise GeometryError(f"The {name} must be three finite numbers, not {values!r}.")
     return vector
 

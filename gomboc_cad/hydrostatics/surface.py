@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gomboc_cad.body.sphere import Array, IntArray, cross
+from gomboc_cad.body.arrays import triangle_mesh
+from gomboc_cad.body.sphere import Array, IntArray, cross, lengths
 from gomboc_cad.errors import GeometryError
 
 
@@ -34,7 +35,7 @@ class WettedSurface:
     @property
     def size_mm(self) -> float:
         """Largest distance of a corner from the pivot."""
-        return float(np.sqrt(np.einsum("nx,nx->n", self.corners_mm, self.corners_mm).max()))
+        return float(lengths(self.corners_mm).max())
 
 
 def wetted_surface(vertices: Array, faces: IntArray) -> WettedSurface:
@@ -70,16 +71,10 @@ def wetted_surface(vertices: Array, faces: IntArray) -> WettedSurface:
 
 
 def _as_mesh(vertices: Array, faces: IntArray) -> tuple[Array, IntArray]:
-    points, triangles = np.asarray(vertices, dtype=float), np.asarray(faces)
-    if points.ndim != 2 or points.shape[1] != 3 or triangles.ndim != 2 or triangles.shape[1] != 3:
-        raise GeometryError("Hydrostatics need vertices of shape (n, 3) and faces of shape (m, 3).")
-    if len(triangles) == 0 or not np.issubdtype(triangles.dtype, np.integer):
-        raise GeometryError("The outer surface has no triangles; faces are rows of three vertex indices.")
-    if triangles.min() < 0 or triangles.max() >= len(points):
-        raise GeometryError("A triangle refers to a vertex that does not exist; repair the mesh.")
+    points, triangles = triangle_mesh(vertices, faces, GeometryError)
     if not np.all(np.isfinite(points)):
         raise GeometryError("A vertex of the outer surface is not a finite point; repair the mesh.")
-    return points, triangles.astype(np.int64, copy=False)
+    return points, triangles
 
 
 def _is_closed(faces: IntArray, count: int) -> bool:

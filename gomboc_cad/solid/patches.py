@@ -30,6 +30,7 @@ from gomboc_cad.body import Body
 from gomboc_cad.body.sphere import Array, unit
 from gomboc_cad.errors import GeometryError
 from gomboc_cad.solid.offset import InsetSurface
+from gomboc_cad.solid.spans import spline_face
 
 DEGREE = 5
 POINTS_PER_EDGE = (17, 25, 33, 49, 65)
@@ -239,18 +240,12 @@ def closed_solid(shell: TopoDS_Shape) -> Solid:
 
 def _sample_spline(spline: Geom_BSplineSurface) -> Array:
     """Points of a B-spline surface between its knots, shape (n, 3)."""
-    poles = np.array(
-        [
-            [spline.Pole(i, j).Coord() for j in range(1, spline.NbVPoles() + 1)]
-            for i in range(1, spline.NbUPoles() + 1)
-        ]
+    face = spline_face(spline)
+    rows = (
+        BSpline(knots, np.eye(count), degree)(_between(knots))
+        for knots, count, degree in zip(face.knots, face.poles_mm.shape, face.degrees, strict=False)
     )
-    u_knots, v_knots = (
-        np.array(list(sequence)) for sequence in (spline.UKnotSequence(), spline.VKnotSequence())
-    )
-    u_rows = BSpline(u_knots, np.eye(len(poles)), spline.UDegree())(_between(u_knots))
-    v_rows = BSpline(v_knots, np.eye(poles.shape[1]), spline.VDegree())(_between(v_knots))
-    return np.einsum("ai,bj,ijx->abx", u_rows, v_rows, poles, optimize=True).reshape(-1, 3)
+    return np.einsum("ai,bj,ijx->abx", *rows, face.poles_mm, optimize=True).reshape(-1, 3)
 
 
 def _spline_surface(patch: Patch) -> Geom_BSplineSurface:

@@ -201,13 +201,14 @@ def spline_faces(shapes: Iterable[Shape]) -> tuple[SplineFace, ...]:
             surface = BRep_Tool.Surface_s(face.wrapped)
             if not isinstance(surface, Geom_BSplineSurface) or surface.IsURational() or surface.IsVRational():
                 continue
-            spline = _spline_face(surface)
+            spline = spline_face(surface)
             if spline.continuity >= 2 and not any(spline.same_as(other) for other in kept):
                 kept.append(spline)
     return tuple(kept)
 
 
-def _spline_face(surface: Geom_BSplineSurface) -> SplineFace:
+def spline_face(surface: Geom_BSplineSurface) -> SplineFace:
+    """Read a B-spline surface; weights are left out."""
     rows, columns = range(1, surface.NbUPoles() + 1), range(1, surface.NbVPoles() + 1)
     poles = np.array([[surface.Pole(i, j).Coord() for j in columns] for i in rows])
     knots = np.array(list(surface.UKnotSequence())), np.array(list(surface.VKnotSequence()))

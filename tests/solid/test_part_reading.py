@@ -456,17 +456,22 @@ class TestRefusals:
     def test_free_form_surfaces(self, tmp_path: Path) -> None:
         assert "free-form" in reason(write(tmp_path, "part.obj", b"v 0 0 0\ncstype bspline\n"))
 
-    @pytest.mark.parametrize("kind", hostile.WRITERS)
-    @pytest.mark.parametrize("value", ["nan", "inf", "1e30", "1e308"])
+    @pytest.mark.parametrize(
+        ("kind", "value"),
+        [
+            (kind, value)
+            for kind in hostile.WRITERS
+            for value in ("nan", "inf", "1e30", "1e308")
+            # Its writer packs 32-bit numbers, which end at 3e38.
+            if (kind, value) != ("binary STL", "1e308")
+        ],
+    )
     def test_coordinates_that_are_none(self, tmp_path: Path, kind: str, value: str) -> None:
         suffix, writer = hostile.WRITERS[kind]
         mesh = box()
         mesh.vertices_mm[3, 1] = float(value)
         with np.errstate(over="ignore"):
-            try:
-                content = writer(mesh)
-            except OverflowError:
-                pytest.skip("a 32-bit number cannot be that large")
+            content = writer(mesh)
         assert write(tmp_path, "part" + suffix, content)
         assert "coordinates" in (found := reason(tmp_path / f"part{suffix}")) or "sizes" in found
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from array import array
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
@@ -172,12 +173,12 @@ def _text_tables(name: str, stream: BinaryIO, elements: list[_Element]) -> dict[
     return tables
 
 
-def _text_table(name: str, lines: object, element: _Element) -> _Table:
+def _text_table(name: str, lines: Iterator[bytes], element: _Element) -> _Table:
     listed = element.list_property()
     before = element.properties.index(listed) if listed else len(element.properties)
     numbers, lengths, items = array("d"), array("q"), array("q")
     for row in range(element.count):
-        words = next(lines, b"").split()  # type: ignore[call-overload]
+        words = next(lines, b"").split()
         length = int(words[before]) if listed and len(words) > before else 0
         if length < 0 or len(words) != len(element.properties) + length:
             raise ValueError(f"row {row + 1} of {element.name} is missing or incomplete")
