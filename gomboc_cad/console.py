@@ -180,6 +180,7 @@ def show_certificate(document: dict[str, Any]) -> None:
     facts = _table(f"{document['family']}, {', '.join(terms)}: {verdict}", "quantity", "value")
     rows = {
         "status": document["status"],
+        "about": ", ".join(document["com"]) + " R₀" if document["com"] else None,
         "stable, unstable": f"{document['stable']}, {document['unstable']}" if document["stable"] else None,
         "principal curvatures above": document["curvature_above"],
         "margin of the centre of mass at least": document["com_margin"],

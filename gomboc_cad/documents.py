@@ -194,6 +194,7 @@ def certificate_document(made: Certificate, file: Path | None, seconds: float) -
         "strictly_convex": made.strictly_convex,
         "stable": made.stable,
         "unstable": made.unstable,
+        "com": None if made.com is None else list(made.com),
         "com_enclosure": [list(interval) for interval in made.com_enclosure],
         "volume_enclosure": list(made.volume_enclosure),
         "curvature_above": made.convexity.curvature_above if made.convexity else None,

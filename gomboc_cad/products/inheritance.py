@@ -4,37 +4,52 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from build123d import Shape
 
 from gomboc_cad.body import Body, mass_properties
-from gomboc_cad.body.catalogue import catalogue_entries, shipped_certificate
+from gomboc_cad.body.catalogue import catalogue_entries, exact_parameters, shipped_certificate
 from gomboc_cad.equilibria import Census
-from gomboc_cad.equilibria.certificate import loads
+from gomboc_cad.equilibria.certificate import certify, loads, verify
+from gomboc_cad.equilibria.certificate.records import Decimals
 from gomboc_cad.equilibria.records import Vector
 from gomboc_cad.errors import GeometryError
 from gomboc_cad.solid.transfer import Transfer, transfer
 
 _ROUNDING = 1e-9
+_DECIMALS = 7
+_NEAR = 0.5
+"""A shipped proof is used where it leaves at least half of its margin."""
 
 
 def proven_margin_mm(body: Body, com_mm: Vector) -> float | None:
-    """Distance from a centre of mass within which the shipped certificate proves one stable rest.
+    """Distance from a centre of mass within which a certificate proves one stable rest.
 
-    None if the body has no such certificate, or the centre of mass lies outside the ball that it proves.
+    That is the shipped one where the centre of mass lies well inside the ball that it proves, else one that
+    is made and checked for this very centre of mass. None if the body is not proven.
     """
     entry = catalogue_entries().get(body.name)
     if entry is None or entry.status != "proven" or entry.body.shape != body.shape:
         return None
-    certificate = loads(shipped_certificate(body.name) or b"")
-    if certificate.margin is None:
-        return None
-    proven = float(certificate.margin.com_margin) * body.radius_mm
-    off_center = float(np.linalg.norm(np.subtract(com_mm, mass_properties(body).com_mm)))
-    left = proven - off_center - _ROUNDING * body.radius_mm
-    return left if left > 0.0 else None
+    shipped = loads(shipped_certificate(body.name) or b"")
+    if shipped.margin is not None:
+        about_centroid = float(shipped.margin.com_margin) * body.radius_mm
+        off_center = float(np.linalg.norm(np.subtract(com_mm, mass_properties(body).com_mm)))
+        if off_center < _NEAR * about_centroid:
+            return about_centroid - off_center - _ROUNDING * body.radius_mm
+    x, y, z = (f"{coordinate / body.radius_mm:.{_DECIMALS}f}" for coordinate in com_mm)
+    proven = _proven_about(body.name, (x, y, z))
+    return None if proven is None else (proven - _ROUNDING - 10.0**-_DECIMALS) * body.radius_mm
+
+
+@lru_cache(maxsize=16)
+def _proven_about(name: str, com: Decimals) -> float | None:
+    """Radius in R₀ of a ball about a centre of mass in which the counts are proven; None if they are not."""
+    made = certify(exact_parameters(name), com=com)
+    return float(made.margin.com_margin) if made.margin is not None and verify(made).accepted else None
 
 
 def inherited(solids: Sequence[Shape], body: Body, census: Census, exported_com_mm: Vector) -> Transfer | str:

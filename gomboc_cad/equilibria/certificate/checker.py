@@ -13,12 +13,13 @@ this module and `enclosures.py`, where the mathematics is. Why the parts make a 
   definite, so a disc holds one critical point at most, and no maximum where the matrix is positive, no
   minimum where it is negative. So there is exactly one of each and nothing else.
 * As the centre of mass moves, equilibria come and go only where one is degenerate, which is where the centre
-  of mass is a centre of curvature. If none of these is nearer to the centroid than the margin, the counts
-  are the same for every centre of mass within it.
+  of mass is a centre of curvature. If none of these is nearer to the certified one than the margin, the
+  counts are the same for every centre of mass within it.
 * A point of negative Gaussian curvature is no point of a convex surface.
-* Both directions of the x-axis are critical points for every body of the family: half a turn about
-  the axis maps the body to itself, and a tangent vector that it leaves alone is zero. Where one of them is a
-  saddle there are three critical points or more, as the minimum and the maximum lie elsewhere.
+* Both directions of the x-axis are critical points for every body of the family about a centre of mass on
+  that axis: half a turn about the axis maps the body to itself, and a tangent vector that it leaves alone is
+  zero. Where one of them is a saddle there are three critical points or more, as the minimum and the
+  maximum lie elsewhere.
 """
 
 from __future__ import annotations
@@ -81,7 +82,7 @@ def verify(certificate: Certificate, progress: Progress = silent) -> Verificatio
     try:
         with ctx.workprec(PRECISION_BITS):
             progress("enclosing the centroid")
-            geometry = BallGeometry.of(certificate.parameters)
+            geometry = BallGeometry.of(certificate.parameters, certificate.com)
             _check_enclosures(geometry, certificate)
             progress("proving strict convexity")
             if certificate.convexity:
@@ -153,8 +154,7 @@ def _check_margin(geometry: BallGeometry, proof: MarginProof) -> None:
 
 
 def _require_inside(geometry: BallGeometry, shift: arb) -> None:
-    inside = abs(geometry.centroid_x) + shift < geometry.inscribed_radius
-    _require(bool(inside), "the centre of mass is not certainly inside the body")
+    _require(geometry.holds_ball(shift), "the centre of mass is not certainly inside the body")
 
 
 def _check_witness(geometry: BallGeometry, witness: Witness) -> None:
@@ -163,7 +163,9 @@ def _check_witness(geometry: BallGeometry, witness: Witness) -> None:
     if witness.kind == "saddle":
         on_axis = witness.theta == TURN_UNITS // 2 and witness.psi in (0, TURN_UNITS)
         is_saddle = geometry.distance_hessian(point).determinant < 0
-        _require(on_axis and bool(is_saddle), "the witness is no saddle on the x-axis")
+        _require_inside(geometry, arb(0))
+        _require(geometry.com_on_axis and on_axis, "the witness is not bound to be an equilibrium")
+        _require(bool(is_saddle), "the witness is no saddle")
     else:
         bound = decimal_ball(witness.gaussian_curvature_below)
         curvature = geometry.gaussian_curvature(point)

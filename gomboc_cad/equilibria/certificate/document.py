@@ -21,6 +21,7 @@ from gomboc_cad.equilibria.certificate.records import (
     Cell,
     Certificate,
     ConvexityProof,
+    Decimals,
     Disc,
     EquilibriaProof,
     Interval,
@@ -73,7 +74,8 @@ def loads(data: bytes | str) -> Certificate:
         )
     except (ValueError, RecursionError):
         _refuse("it is not JSON as certificates have it")
-    document = _record(document, "the file", dict(_KEYS))
+    given_com = isinstance(document, dict) and "com" in document
+    document = _record(document, "the file", {**dict(_KEYS), **({"com": list} if given_com else {})})
     if document["format"] != FORMAT or document["version"] != VERSION:
         _refuse(f"its format is not {FORMAT!r} version {VERSION}")
     if document.pop("sha256") != _digest(document):
@@ -84,6 +86,7 @@ def loads(data: bytes | str) -> Certificate:
         ),
         com_enclosure=_three([_interval(axis) for axis in document["com_enclosure"]]),
         volume_enclosure=_interval(document["volume_enclosure"]),
+        com=_decimals(document["com"]) if given_com else None,
         convexity=_convexity(document["convexity"]),
         equilibria=_equilibria(document["equilibria"]),
         margin=_margin(document["margin"]),
@@ -116,6 +119,7 @@ def _document(certificate: Certificate) -> dict[str, Any]:
         **_claims(certificate),
         "com_enclosure": [list(axis) for axis in certificate.com_enclosure],
         "volume_enclosure": list(certificate.volume_enclosure),
+        **({} if certificate.com is None else {"com": list(certificate.com)}),
         "witness": witness and _without_none(vars(witness)),
         "convexity": convexity
         and {"curvature_above": convexity.curvature_above, "cells": _lines(convexity.cells)},
@@ -210,6 +214,13 @@ def _interval(value: Any) -> Interval:
         _refuse("an enclosure must be a pair of decimals in quotes")
     low, high = _texts(dict(zip(("low", "high"), value, strict=True))).values()
     return low, high
+
+
+def _decimals(value: list[Any]) -> Decimals:
+    if len(value) != 3:
+        _refuse("com must have three decimals in quotes")
+    x, y, z = _texts(dict(zip("xyz", value, strict=True))).values()
+    return x, y, z
 
 
 def _three(axes: list[Interval]) -> tuple[Interval, Interval, Interval]:

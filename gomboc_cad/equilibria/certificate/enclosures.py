@@ -17,7 +17,7 @@ Curvature
     With `g = ∇f` and `N = r sqrt(1 + |g|²/s²)` the second fundamental form is
     `r² (s² I + 5 g gᵀ − s ∇²f) / (s² N)` and the first one `r² (s² I + g gᵀ) / s²`, from `r = s^(1/4)`.
 
-Equilibria about the centroid c
+Equilibria about a centre of mass c, the centroid or any other,
     are the zeros of `F = (r − u·c) g − s c_T`, which is the gradient of `|x − c|²/2` times s/r.
 
 Margin
@@ -44,7 +44,7 @@ from flint import acb, arb, ctx
 
 from gomboc_cad.body.catalogue import ExactParameters
 from gomboc_cad.body.families import MAX_WINDING
-from gomboc_cad.equilibria.certificate.records import TURN_UNITS, Cell
+from gomboc_cad.equilibria.certificate.records import TURN_UNITS, Cell, Decimals
 from gomboc_cad.errors import BodyError
 
 CERTIFIED_FAMILIES = ("sloan2", "extended")
@@ -133,12 +133,13 @@ class BallGeometry:
     Args:
         beta: Decimal of β, 0 < β < 0.25.
         coefficients: Decimals a_k by order k ≥ 1.
+        com: Decimals of the centre of mass; the centroid if not given.
 
     Raises:
         BodyError: If the decimals do not describe such a body.
     """
 
-    def __init__(self, beta: str, coefficients: Mapping[int, str]) -> None:
+    def __init__(self, beta: str, coefficients: Mapping[int, str], com: Decimals | None = None) -> None:
         self.beta = decimal_ball(beta)
         self._terms = [(k, decimal_ball(a)) for k, a in coefficients.items()]
         if not (self.beta > 0 and self.beta < 0.25):
@@ -150,12 +151,13 @@ class BallGeometry:
                 f"A certificate takes at most {_MAX_TERMS} Fourier terms, of order 1 ≤ k ≤ {MAX_WINDING:g} "
                 f"and with k |a| ≤ {MAX_WINDING:g}."
             )
+        self._given_com = None if com is None else tuple(decimal_ball(coordinate) for coordinate in com)
         self._bands: dict[tuple[int, int], _Band] = {}
         self._columns: dict[tuple[int, int], tuple[arb, arb, arb]] = {}
 
     @classmethod
-    def of(cls, parameters: ExactParameters) -> BallGeometry:
-        """The geometry of a body by its exact parameters.
+    def of(cls, parameters: ExactParameters, com: Decimals | None = None) -> BallGeometry:
+        """The geometry of a body by its exact parameters, about its centroid or another centre of mass.
 
         Raises:
             BodyError: If it is not a `sloan2` or `extended` body with 0 < β < 0.25.
@@ -170,7 +172,7 @@ class BallGeometry:
             parameters.family == "sloan2"
         ):
             raise BodyError("Give each coefficient once, to the family extended and not to sloan2.")
-        return cls(parameters.beta, coefficients)
+        return cls(parameters.beta, coefficients, com)
 
     @cached_property
     def volume(self) -> arb:
@@ -191,6 +193,26 @@ class BallGeometry:
             # The integrand is even.
             half = acb.integral(integrand, 0, acb(arb.pi()), eval_limit=_MAX_EVALUATIONS).real
             return 4 * self.beta * half / (3 * self.volume)
+
+    @cached_property
+    def com(self) -> tuple[arb, arb, arb]:
+        """The centre of mass that everything here is about."""
+        if self._given_com is None:
+            return self.centroid_x, arb(0), arb(0)
+        x, y, z = self._given_com
+        return x, y, z
+
+    @property
+    def com_on_axis(self) -> bool:
+        """Whether half a turn about the x-axis leaves the centre of mass where it is."""
+        _, y, z = self.com
+        return bool(y == 0 and z == 0)
+
+    def holds_ball(self, radius: arb) -> bool:
+        """Whether a ball about the centre of mass certainly lies inside the body."""
+        # Of their largest sizes: the square of a ball about zero may reach below zero.
+        x, y, z = (abs(coordinate).upper() for coordinate in self.com)
+        return bool((x * x + y * y + z * z).sqrt() + radius < self.inscribed_radius)
 
     @property
     def inscribed_radius(self) -> arb:
@@ -231,18 +253,18 @@ class BallGeometry:
         """`t·F` for t = e_φ and for t = e_θ − q e_φ, along which the valley is straight."""
         band, (cosine, sine, psi) = self._band(cell), self._column(cell)
         s = 1 + 4 * self.beta * band.rho * cosine
-        along, across = self._centroid_seen(psi + band.phase)
-        lever = _fourth_root(s) - band.rho * along
+        along, across, up = self._com_seen(psi + band.phase)
+        lever = _fourth_root(s) - band.rho * along - band.z * up
         return (
             s * across - lever * self.beta * sine,
-            lever * self.beta * band.z * cosine - s * (band.z * along + band.q * across),
+            lever * self.beta * band.z * cosine - s * (band.z * along - band.rho * up + band.q * across),
         )
 
     def keeps_focal_distance(self, cell: Cell, distance: arb) -> bool:
-        """Whether certainly no centre of curvature of these surface points is that near to the centroid."""
+        """Whether certainly no centre of curvature of these points is that near to the centre of mass."""
         band, (cosine, sine, psi) = self._band(cell), self._column(cell)
         s = 1 + 4 * self.beta * band.rho * cosine
-        along, across = self._centroid_seen(psi + band.phase)
+        along, across, up = self._com_seen(psi + band.phase)
         g_theta, g_phi = self._gradient(band, cosine, sine)
         f_phi, f_oblique = self.pulls(cell)
         squared = s * s
@@ -259,8 +281,8 @@ class BallGeometry:
         room = (distance * distance - from_line).upper()
         if room < 0:
             return True
-        lever = s * (_fourth_root(s) - band.rho * along)
-        height = (lever + g_theta * band.z * along - g_phi * across) / normal.sqrt()
+        lever = s * (_fourth_root(s) - band.rho * along - band.z * up)
+        height = (lever + g_theta * (band.z * along - band.rho * up) - g_phi * across) / normal.sqrt()
         if not height > room.sqrt():
             return False
         low, high = (self.curvature_excess(cell, 1 / (height + sign * room.sqrt())) for sign in (1, -1))
@@ -268,7 +290,7 @@ class BallGeometry:
         return bool(high.is_positive() or low.is_negative() or between)
 
     def distance_hessian(self, cell: Cell) -> Form:
-        """Second derivatives of `|x − c|²/2` about the centroid in the coordinates (θ, ψ).
+        """Second derivatives of `|x − c|²/2` in the coordinates (θ, ψ).
 
         A function with a definite matrix of second derivatives on a rectangle of the chart is strictly
         convex (or concave) there, so it has one critical point there at most.
@@ -281,19 +303,20 @@ class BallGeometry:
         s = 1 - s_tt
         r = _fourth_root(s)
         zero = arb(0)
-        # Derivatives of the horizontal part of u, outwards and eastwards, in a frame that turns with φ.
-        u, u_t, u_p = (rho, zero), (z, -q), (zero, rho)
-        u_tt, u_tp, u_pp = (-rho * (1 + rho_p * rho_p), -rho * bend), (q, z), (-rho, zero)
-        along, across = self._centroid_seen(psi + band.phase)
+        # Derivatives of u, outwards, eastwards and upwards, in a frame that turns with φ.
+        u, u_t, u_p = (rho, zero, z), (z, -q, -rho), (zero, rho, zero)
+        u_tt, u_tp, u_pp = (-rho * (1 + rho_p * rho_p), -rho * bend, -z), (q, z, zero), (-rho, zero, zero)
+        along, across, up = self._com_seen(psi + band.phase)
         scale = r / (4 * s)
 
-        def entry(s_i: arb, s_j: arb, s_ij: arb, u_i: _Pair, u_j: _Pair, u_ij: _Pair) -> arb:
+        def entry(s_i: arb, s_j: arb, s_ij: arb, u_i: _Triple, u_j: _Triple, u_ij: _Triple) -> arb:
             r_i, r_j = scale * s_i, scale * s_j
             r_ij = scale * (s_ij - 3 * s_i * s_j / (4 * s))
-            outwards, eastwards = (
+            outwards, eastwards, upwards = (
                 r_ij * a + r_i * b + r_j * c + r * d for a, b, c, d in zip(u, u_j, u_i, u_ij, strict=True)
             )
-            return r * scale * (s_ij - s_i * s_j / (2 * s)) - along * outwards + across * eastwards
+            seen = along * outwards - across * eastwards + up * upwards
+            return r * scale * (s_ij - s_i * s_j / (2 * s)) - seen
 
         return Form(
             entry(s_t, s_t, s_tt, u_t, u_t, u_tt),
@@ -301,9 +324,11 @@ class BallGeometry:
             entry(s_p, s_p, s_pp, u_p, u_p, u_pp),
         )
 
-    def _centroid_seen(self, phi: arb) -> tuple[arb, arb]:
-        """The centroid's component outwards at the azimuth φ, and westwards."""
-        return self.centroid_x * phi.cos(), self.centroid_x * phi.sin()
+    def _com_seen(self, phi: arb) -> _Triple:
+        """The centre of mass outwards at the azimuth φ, westwards and upwards."""
+        x, y, z = self.com
+        cosine, sine = phi.cos(), phi.sin()
+        return x * cosine + y * sine, x * sine - y * cosine, z
 
     def _gradient(self, band: _Band, cosine: arb, sine: arb) -> tuple[arb, arb]:
         return self.beta * (band.z * cosine - band.q * sine), -self.beta * sine
@@ -342,7 +367,7 @@ def _order(key: str) -> int:
     return int(key)
 
 
-_Pair = tuple[arb, arb]
+_Triple = tuple[arb, arb, arb]
 
 
 def _half_turns(low: int, high: int) -> arb:

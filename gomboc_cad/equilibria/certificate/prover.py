@@ -15,7 +15,7 @@ One in each disc
     where the Hessian is negative nor a maximum where it is positive. So each disc holds exactly one, and for
     a strictly convex body these are its stable and its unstable pose.
 
-A fourth list of cells proves how far the centre of mass may move from the centroid: in each cell no centre of
+A fourth list of cells proves how far the centre of mass may move: in each cell no centre of
 curvature is within that distance, so the counts stay the same. Nothing here has to be trusted: `checker.py`
 proves the result again.
 """
@@ -26,7 +26,7 @@ from collections.abc import Callable
 from decimal import Decimal
 from typing import TypeVar
 
-from flint import ctx
+from flint import arb, ctx
 
 from gomboc_cad.body.catalogue import ExactParameters
 from gomboc_cad.equilibria.certificate.enclosures import (
@@ -42,6 +42,7 @@ from gomboc_cad.equilibria.certificate.records import (
     Cell,
     Certificate,
     ConvexityProof,
+    Decimals,
     Disc,
     EquilibriaProof,
     MarginProof,
@@ -60,7 +61,9 @@ _GRID = 64
 Proof = TypeVar("Proof", ConvexityProof, MarginProof)
 
 
-def certify(parameters: ExactParameters, progress: Progress = silent) -> Certificate:
+def certify(
+    parameters: ExactParameters, progress: Progress = silent, *, com: Decimals | None = None
+) -> Certificate:
     """Prove or refute that a body is strictly convex with one stable and one unstable equilibrium.
 
     The same parameters give the same certificate.
@@ -68,12 +71,14 @@ def certify(parameters: ExactParameters, progress: Progress = silent) -> Certifi
     Args:
         parameters: Family and exact decimals.
         progress: Told of each stage as it begins.
+        com: Decimals of the centre of mass in units of R₀; the homogeneous centroid if not given.
 
     Raises:
-        BodyError: If the parameters are not those of a `sloan2` or `extended` body with 0 < β < 0.25.
+        BodyError: If the parameters are not those of a `sloan2` or `extended` body with 0 < β < 0.25, or the
+            centre of mass is not three decimals.
     """
     with ctx.workprec(PRECISION_BITS):
-        geometry = BallGeometry.of(parameters)
+        geometry = BallGeometry.of(parameters, com)
         progress("proving strict convexity")
         convexity = _best(lambda bound, limit: _prove_convexity(geometry, bound, limit))
         progress("separating the equilibria")
@@ -88,6 +93,7 @@ def certify(parameters: ExactParameters, progress: Progress = silent) -> Certifi
             parameters=parameters,
             com_enclosure=(decimal_interval(geometry.centroid_x), ("0", "0"), ("0", "0")),
             volume_enclosure=decimal_interval(geometry.volume),
+            com=com,
             convexity=convexity,
             equilibria=equilibria,
             margin=margin,
@@ -117,13 +123,15 @@ def _prove_convexity(geometry: BallGeometry, bound: str, limit: int) -> Convexit
 
 def _prove_margin(geometry: BallGeometry, com_margin: str, limit: int) -> MarginProof | None:
     distance = decimal_ball(com_margin)
-    if not abs(geometry.centroid_x) + distance < geometry.inscribed_radius:
+    if not geometry.holds_ball(distance):
         return None
     cells = _cover(SPHERE, lambda cell: geometry.keeps_focal_distance(cell, distance), limit)
     return MarginProof(com_margin, cells) if cells else None
 
 
 def _prove_equilibria(geometry: BallGeometry) -> EquilibriaProof | None:
+    if not geometry.holds_ball(arb(0)):
+        return None
     cells, left = _subdivide(SPHERE, lambda cell: _sign_of_pull(geometry, cell), MAX_CELLS, _FINEST_LEFT)
     # f is least at ψ = π and greatest at ψ = 0, so the stable pose lies about the one, the unstable
     # about the other.
@@ -210,6 +218,8 @@ def _dent(geometry: BallGeometry) -> Witness | None:
 
 def _saddle(geometry: BallGeometry) -> Witness | None:
     """A saddle on the x-axis, where the half-turn symmetry makes both directions equilibria."""
+    if not (geometry.com_on_axis and geometry.holds_ball(arb(0))):
+        return None
     for psi in (0, TURN_UNITS):
         if geometry.distance_hessian(Cell.at(TURN_UNITS // 2, psi)).determinant < 0:
             return Witness("saddle", TURN_UNITS // 2, psi)

@@ -10,6 +10,7 @@ from gomboc_cad.body.catalogue import ExactParameters
 Status = Literal["proven", "refuted", "undecided"]
 WitnessKind = Literal["negative curvature", "saddle"]
 Interval = tuple[str, str]
+Decimals = tuple[str, str, str]
 
 TURN_UNITS = 2**20
 """Cells are rectangles of whole numbers of this fraction of a half-turn, so that their edges are exact."""
@@ -68,7 +69,7 @@ class ConvexityProof:
 
 @dataclass(frozen=True)
 class EquilibriaProof:
-    """Cells without an equilibrium about the centroid, and the two discs with one each.
+    """Cells without an equilibrium about the centre of mass, and the two discs with one each.
 
     Attributes:
         cells: Rectangles that cover the sphere, each with its claim: `E`, `e`: the component of the gradient
@@ -85,7 +86,7 @@ class EquilibriaProof:
 
 @dataclass(frozen=True)
 class MarginProof:
-    """Cells whose centres of curvature keep a distance from the centroid.
+    """Cells whose centres of curvature keep a distance from the centre of mass.
 
     Attributes:
         com_margin: The distance in R₀, as a decimal: the counts are the same for every centre of mass within.
@@ -122,6 +123,7 @@ class Certificate:
         parameters: Family and exact decimals.
         com_enclosure: An interval for each coordinate of the centroid.
         volume_enclosure: An interval for the volume.
+        com: Decimals of the centre of mass that equilibria and margin are about; None for the centroid.
         convexity: Proof of strict convexity, if there is one.
         equilibria: Proof of one stable and one unstable equilibrium, if there is one.
         margin: Proof of how far the centre of mass may move, if there is one.
@@ -131,6 +133,7 @@ class Certificate:
     parameters: ExactParameters
     com_enclosure: tuple[Interval, Interval, Interval]
     volume_enclosure: Interval
+    com: Decimals | None = None
     convexity: ConvexityProof | None = None
     equilibria: EquilibriaProof | None = None
     margin: MarginProof | None = None
@@ -179,4 +182,5 @@ class Certificate:
                 "shows whether there are more than two."
             )
         where = f"for every centre of mass within {self.margin.com_margin} R₀ of" if self.margin else "about"
-        return f"Proven: {convex}; exactly one stable and one unstable equilibrium {where} the centroid."
+        center = "the centroid" if self.com is None else f"({', '.join(self.com)}) R₀"
+        return f"Proven: {convex}; exactly one stable and one unstable equilibrium {where} {center}."
