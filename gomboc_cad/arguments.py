@@ -8,13 +8,15 @@ from typing import Annotated, Any
 import typer
 
 from gomboc_cad.errors import GombocError
+from gomboc_cad.progress import Progress
 
+PRODUCT_NAMES = "imu-housing, seed-pod, buoy"
 BodyName = Annotated[
     str | None, typer.Argument(metavar="[BODY]", help="Catalogue name, for example primary.")
 ]
 Subject = Annotated[
     str | None,
-    typer.Argument(metavar="[BODY|SPEC]", help="Catalogue name, a TOML file, or a product: imu-housing."),
+    typer.Argument(metavar="[BODY|SPEC]", help=f"Catalogue name, TOML file or product: {PRODUCT_NAMES}."),
 ]
 FamilyName = Annotated[
     str | None,
@@ -67,6 +69,7 @@ def chosen_body_and_com(
     coefficients: list[str] | None,
     diameter_mm: float,
     com_mm: str | None,
+    progress: Progress,
 ) -> tuple[Any, Any]:
     """The body and the centre of mass of a product or of a bare body; another one if it is given."""
     from gomboc_cad.products.subject import body_and_com, is_spec
@@ -76,8 +79,15 @@ def chosen_body_and_com(
         subject = chosen_body(name, family, beta, coefficients, diameter_mm)
     elif family is not None or beta is not None or coefficients:
         raise GombocError("--family, --beta and --coef go with a bare body, not with a product.")
-    chosen, com = body_and_com(subject)
+    chosen, com = body_and_com(subject, progress)
     return chosen, com if com_mm is None else numbers("--com-mm", com_mm)
+
+
+def design_stages(name: str | None) -> int:
+    """How many stages `chosen_body_and_com` reports."""
+    from gomboc_cad.products.subject import DESIGN_STAGES, is_spec
+
+    return DESIGN_STAGES if name is not None and is_spec(name) else 0
 
 
 def with_figure(path: Path | None, suffix: str, force: bool) -> tuple[Path, ...]:
@@ -100,6 +110,15 @@ def exact_decimals(
 
     body = chosen_body(name, family, beta, coefficients, diameter_mm=100.0)
     return ExactParameters.of(body) if name is None else exact_parameters(name)
+
+
+def decimals(option: str, text: str) -> tuple[str, str, str]:
+    """Three decimals that are separated by commas, as they were written."""
+    parts = [part.strip() for part in text.split(",")]
+    if len(parts) != 3:
+        raise GombocError(f"{option} needs three decimals X,Y,Z, not {text!r}.")
+    x, y, z = parts
+    return x, y, z
 
 
 def require_absent(path: Path, force: bool) -> None:

@@ -11,6 +11,7 @@ import typer
 from typer.exceptions import TyperException
 
 from gomboc_cad.arguments import (
+    PRODUCT_NAMES,
     AsJson,
     Audit,
     Beta,
@@ -25,6 +26,8 @@ from gomboc_cad.arguments import (
     Subject,
     chosen_body,
     chosen_body_and_com,
+    decimals,
+    design_stages,
     exact_decimals,
     numbers,
     require_absent,
@@ -195,6 +198,10 @@ def certify(
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="FILE", help="Where the certificate goes.")
     ] = None,
+    com_r0: Annotated[
+        str | None,
+        typer.Option("--com-r0", metavar="X,Y,Z", help="Centre of mass in units of R0, as exact decimals."),
+    ] = None,
     verify: Annotated[
         Path | None, typer.Option("--verify", metavar="FILE", help="Check a certificate instead.")
     ] = None,
@@ -216,8 +223,8 @@ def certify(
 
     reporter, begin = Reporter(json, quiet), perf_counter()
     if verify is not None:
-        if body is not None or family is not None or output is not None:
-            raise GombocError("--verify takes a certificate and nothing else: neither a body nor --output.")
+        if any(other is not None for other in (body, family, output, com_r0)):
+            raise GombocError("--verify takes a certificate and nothing else: no body, --com-r0 or --output.")
         read = certificate.load(verify)
         with reporter.stages(STAGES) as progress:
             checked = certificate.verify(read, progress)
@@ -225,10 +232,11 @@ def certify(
         reporter.document(document, show_certificate)
         return PASSED if checked.accepted and read.status == "proven" else FAILED
     parameters = exact_decimals(body, family, beta, coef)
+    com = None if com_r0 is None else decimals("--com-r0", com_r0)
     if output is not None:
         require_absent(output, force)
     with reporter.stages(STAGES) as progress:
-        made = certificate.certify(parameters, progress)
+        made = certificate.certify(parameters, progress, com=com)
     if output is not None:
         write_bytes(output, certificate.dumps(made).encode())
     reporter.document(certificate_document(made, output, perf_counter() - begin), show_certificate)
@@ -258,8 +266,8 @@ def zone(
 
     reporter = Reporter(json, quiet)
     files = with_figure(output, ".stl", force)
-    chosen, com = chosen_body_and_com(body, family, beta, coef, diameter_mm, com_mm)
-    with reporter.stages(STAGES) as progress:
+    with reporter.stages(STAGES + design_stages(body)) as progress:
+        chosen, com = chosen_body_and_com(body, family, beta, coef, diameter_mm, com_mm, progress)
         found = loading_zone(chosen, com, progress=progress)
     if files:
         write_zone(found, *files)
@@ -291,8 +299,8 @@ def drillmap(
 
     reporter = Reporter(json, quiet)
     files = with_figure(output, ".csv", force)
-    chosen, com = chosen_body_and_com(body, family, beta, coef, diameter_mm, com_mm)
-    with reporter.stages(None) as progress:
+    with reporter.stages(1 + design_stages(body)) as progress:
+        chosen, com = chosen_body_and_com(body, family, beta, coef, diameter_mm, com_mm, progress)
         progress("mapping the surface")
         found = drill_map(chosen, com, sites=sites)
     if files:
@@ -305,7 +313,7 @@ def drillmap(
 
 @app.command()
 def build(
-    spec: Annotated[str, typer.Argument(metavar="SPEC", help="A TOML file, or a product: imu-housing.")],
+    spec: Annotated[str, typer.Argument(metavar="SPEC", help=f"A TOML file, or a product: {PRODUCT_NAMES}.")],
     output: Output,
     force: Force = False,
     allow_unverified: Annotated[

@@ -22,8 +22,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize.elementwise import find_root
-from scipy.spatial import ConvexHull
 
 from gomboc_cad.body.mass import mass_properties
 from gomboc_cad.body.sphere import (
@@ -35,10 +33,11 @@ from gomboc_cad.body.sphere import (
     tangent_frame,
     unit,
 )
-from gomboc_cad.body.support import depth_mm, support_about, touching_directions
+from gomboc_cad.body.support import support_about, touching_directions
 from gomboc_cad.body.surface import Body, SurfacePoints
 from gomboc_cad.equilibria.convexity import as_point, require_strictly_convex
 from gomboc_cad.equilibria.records import Rest, Vector, as_vector
+from gomboc_cad.equilibria.rim import hole_rims_mm, ray_lengths_mm, rim_rest
 from gomboc_cad.equilibria.smooth import smooth_census
 
 _GRID_LEVEL = 5
@@ -53,8 +52,6 @@ _SAME_PLACE = 0.3
 _SMALLEST_HOLE = 1e-5
 """Radius, in units of R₀, below which a rim is plane and needs no check."""
 
-_RIM_POINTS = 60
-_RIM_STEPS = 5
 _CHUNK = 512
 _BISECTION = 0.002
 """Relative accuracy of a radius that the rim limits."""
@@ -158,7 +155,7 @@ def _limits(body: Body, points: SurfacePoints, center: Array) -> DrillLimits:
         positions_mm=points.position_mm,
         radius_mm=safe,
         refined_radius_mm=_checked_radii_mm(body, points, center, safe, hole),
-        flat_depth_mm=height - _ray_length_mm(body, center, points.normal),
+        flat_depth_mm=height - ray_lengths_mm(body, center, points.normal),
     )
 
 
@@ -202,47 +199,8 @@ def _adds_rest(
     result = np.zeros(len(rows), dtype=bool)
     large = np.flatnonzero(radii_mm > _SMALLEST_HOLE * body.radius_mm)
     for part in np.array_split(large, 1 + len(large) // _CHUNK):
-        rims = _rims_mm(body, points, radii_mm[part], rows[part])
-        result[part] = [_rests_on_rim(rim - center) for rim in rims]
-    return result
-
-
-def _rims_mm(body: Body, points: SurfacePoints, radii_mm: Array, rows: IntArray) -> Array:
-    """Rims of holes drilled along the normals, shape (n, k, 3)."""
-    angle = 2.0 * np.pi * np.arange(_RIM_POINTS) / _RIM_POINTS
-    circle = np.stack([np.cos(angle), np.sin(angle)], axis=-1) @ points.tangents[rows]
-    places = points.position_mm[rows][:, None] + radii_mm[:, None, None] * circle
-    axis = np.repeat(points.normal[rows], _RIM_POINTS, axis=0)
-    rim = places.reshape(-1, 3)
-    for _ in range(_RIM_STEPS):
-        surface = body.surface(unit(rim))
-        drop = np.einsum("nx,nx->n", rim - surface.position_mm, surface.normal)
-        rim = rim - (drop / np.einsum("nx,nx->n", axis, surface.normal))[:, None] * axis
-    return rim.reshape(places.shape)
-
-
-def _rests_on_rim(rim: Array) -> bool:
-    """Whether the outer side of the hull of a rim (k, 3) holds a foot of a perpendicular from the origin."""
-    hull = ConvexHull(np.vstack([rim, np.zeros(3)]))
-    outer = np.all(hull.simplices < len(rim), axis=1)
-    normals, heights = hull.equations[outer, :3], -hull.equations[outer, 3]
-    corners = rim[hull.simplices[outer]] - (heights[:, None] * normals)[:, None]
-    turns = np.einsum("nax,nx->na", np.cross(corners, np.roll(corners, -1, axis=1)), normals)
-    return bool(np.any(np.all(turns >= 0.0, axis=1) | np.all(turns <= 0.0, axis=1)))
-
-
-def _ray_length_mm(body: Body, center: Array, directions: Array) -> Array:
-    """Length of rays from an inner point to the surface of a convex body, shape (n,)."""
-
-    def beyond_surface(length: Array, x: Array, y: Array, z: Array) -> Array:
-        place = center + length[:, None] * np.stack([x, y, z], axis=-1)
-        reach = np.linalg.norm(place, axis=1)
-        result: Array = reach - body.radius_at(place / reach[:, None])
-        return result
-
-    start = np.full(len(directions), 1e-3 * float(depth_mm(body, center)[0]))
-    far = np.full(len(directions), 4.0 * float(body.radius_at(geodesic_triangulation(3)[0]).max()))
-    result: Array = find_root(beyond_surface, (start, far), args=tuple(directions.T)).x
+        holes = points.position_mm[rows[part]], points.normal[rows[part]], radii_mm[part]
+        result[part] = [rim_rest(rim, center) is not None for rim in hole_rims_mm(body, *holes)]
     return result
 
 

@@ -17,18 +17,16 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import linprog
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from gomboc_cad.body.mass import mass_properties, mesh_mass
 from gomboc_cad.body.sphere import Array, BoolArray, IntArray, unit
 from gomboc_cad.body.support import depth_mm
 from gomboc_cad.body.surface import Body
 from gomboc_cad.equilibria.convexity import as_point
-from gomboc_cad.equilibria.focal import image_samples
-from gomboc_cad.equilibria.margin import com_margin, focal_points_mm
+from gomboc_cad.equilibria.free_ball import Walls, best_place, grown, room_mm
+from gomboc_cad.equilibria.margin import com_margin
 from gomboc_cad.equilibria.octree import Octree, boundary
 from gomboc_cad.equilibria.records import Vector, as_vector
 from gomboc_cad.equilibria.smooth import find_equilibria
@@ -111,25 +109,12 @@ class _Grading(NamedTuple):
         return self.cell_mm(points_mm) / _SAMPLES_PER_CELL
 
 
-class _Walls:
-    """Samples of the focal sheet and of the body's surface: no point of these is farther than the spacing."""
+class _Walls(Walls):
+    """The walls of a zone, as fine as its cells."""
 
     def __init__(self, body: Body, grading: _Grading) -> None:
-        self.body = body
+        super().__init__(body, grading.spacing_mm)
         self.grading = grading
-        sheet = image_samples(lambda u: focal_points_mm(body, u, 0), grading.spacing_mm)
-        surface = image_samples(body.position_mm, grading.spacing_mm)
-        self.samples_mm = np.concatenate([sheet, surface])
-        self.on_sheet = np.arange(len(self.samples_mm)) < len(sheet)
-        self.tree = cKDTree(self.samples_mm)
-
-    def distance_mm(self, points_mm: Array, up_to_mm: float = np.inf) -> Array:
-        """Distance to the nearest sample, infinite beyond `up_to_mm`, shape (n,)."""
-        return np.asarray(self.tree.query(points_mm, distance_upper_bound=up_to_mm)[0])
-
-    def gap_mm(self, point_mm: Array) -> float:
-        """Distance of one point from the nearest sample."""
-        return float(self.distance_mm(point_mm))
 
     def approached(self, points_mm: Array) -> Array:
         """Move points to the walls: onto the surface, and short of the sheet by a fraction of a cell."""
@@ -170,20 +155,44 @@ def loading_zone(
     zone = _reached(cells, walls)
     vertices, faces = _drawn_boundary(zone, walls)
     progress("finding the best centre of mass")
-    best = max((_grown(walls, start) for start in _roomiest(zone)), key=walls.gap_mm)
-    nearest = _grown(walls, center)
+    best = max((grown(walls, start) for start in _roomiest(zone)), key=walls.gap_mm)
+    nearest = best_place(body, center, walls.gap_mm(center))
     return LoadingZone(
         body=body,
         com_mm=as_vector(center),
         s_margin_mm=margin,
         best_com_mm=as_vector(best),
-        best_s_margin_mm=_room_mm(body, best),
+        best_s_margin_mm=room_mm(body, best),
         nearest_best_com_mm=as_vector(nearest),
-        nearest_best_s_margin_mm=_room_mm(body, nearest),
+        nearest_best_s_margin_mm=room_mm(body, nearest),
         volume_mm3=mesh_mass(vertices, faces).volume_mm3,
         vertices_mm=vertices,
         faces=faces,
     )
+
+
+def best_com_nearby(body: Body, com: Sequence[float] | Array | None = None) -> tuple[Vector, float]:
+    """Find the best place for the COM that is reached from a given one by always gaining margin.
+
+    It is what `loading_zone` gives as the nearest best place, without the zone.
+
+    Args:
+        body: A strictly convex body.
+        com: Centre of mass in mm, shape (3,); the homogeneous centroid if not given.
+
+    Returns:
+        The place in mm and the radius in mm of the ball about it that is inside the zone and the body.
+
+    Raises:
+        NotConvexError: If the body is not strictly convex.
+        DegenerateEquilibriaError: If the equilibria about the COM are not isolated.
+        CensusError: If the COM is not inside the body, has not one stable rest, or is at the edge of its
+            zone.
+    """
+    center = np.array(mass_properties(body).com_mm) if com is None else as_point(com)
+    radius = min(_margin_in_zone(body, center), float(depth_mm(body, center)[0]))
+    best = best_place(body, center, radius)
+    return as_vector(best), room_mm(body, best)
 
 
 def margins_towards_rest(zone: LoadingZone, lowered_mm: Array) -> Array:
@@ -195,7 +204,7 @@ def margins_towards_rest(zone: LoadingZone, lowered_mm: Array) -> Array:
     """
     down = find_equilibria(zone.body, zone.com_mm)[0].direction
     places = np.array(zone.com_mm) + np.outer(lowered_mm, down)
-    return np.array([_room_mm(zone.body, place) for place in places])
+    return np.array([room_mm(zone.body, place) for place in places])
 
 
 def _margin_in_zone(body: Body, center: Array) -> float:
@@ -303,40 +312,3 @@ def _roomiest(zone: _Reached) -> list[Array]:
         if all(np.linalg.norm(place - other) > 0.5 * zone.gaps_mm[index] for other in starts):
             starts.append(place)
     return starts[:_STARTS]
-
-
-def _room_mm(body: Body, center: Array) -> float:
-    """Distance to the focal sheet or to the surface, whichever is nearer."""
-    return min(com_margin(body, center).s_margin_mm, float(depth_mm(body, center)[0]))
-
-
-def _grown(walls: _Walls, center_mm: Array) -> Array:
-    """Move a ball so that it can grow, until it cannot.
-
-    Each step maximises the least of the distances, linearised, within a cube. Distances are convex, so
-    the true gain is at least the linear one.
-    """
-    radius = walls.gap_mm(center_mm)
-    trust = 0.1 * radius
-    while trust > 1e-3 * radius:
-        near = walls.samples_mm[walls.tree.query_ball_point(center_mm, radius + 2.0 * trust)]
-        distance, normal = _nearest_by_direction(center_mm - near)
-        rows = np.column_stack([-normal, np.ones(len(normal))])
-        bounds = 3 * [(-trust, trust)] + [(0.0, None)]
-        step = linprog([0.0, 0.0, 0.0, -1.0], A_ub=rows, b_ub=distance, bounds=bounds).x
-        trial: Array = center_mm + np.asarray(step)[:3]
-        grown = walls.gap_mm(trial)
-        if grown > radius * (1.0 + 1e-6):
-            center_mm, radius = trial, grown
-        else:
-            trust *= 0.5
-    return center_mm
-
-
-def _nearest_by_direction(arms: Array) -> tuple[Array, Array]:
-    """Length and direction of the shortest arm in each of a few thousand directions."""
-    length = np.linalg.norm(arms, axis=1)
-    order = np.argsort(length, kind="stable")
-    normal = arms[order] / length[order, None]
-    _, first = np.unique(np.round(12.0 * normal).astype(np.int64), axis=0, return_index=True)
-    return length[order][first], normal[first]

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from build123d import Solid
+from build123d import Location, Solid
 
 from gomboc_cad.body.mass import MassProperties
 from gomboc_cad.body.sphere import Array
 from gomboc_cad.equilibria.records import Vector, as_vector
 from gomboc_cad.products.materials import Material
+from gomboc_cad.solid.boundary import Boundary
 from gomboc_cad.solid.mass import solid_mass
+from gomboc_cad.solid.mesh import Mesh
 from gomboc_cad.solid.step import Color
 
 
@@ -30,6 +32,10 @@ class Part:
         made: Whether it is made by the user (printed or machined) and not bought.
         standard: Standard or maker's number of a bought part.
         color: RGB in 0…1.
+        mesh: Mesh of a made part, in place.
+        boundary: The surfaces that bound a made part, in place.
+        print_up: Direction of the body's frame that points up on a printer's bed; a made part without it is
+            written, but not put on the plate.
     """
 
     name: str
@@ -41,6 +47,9 @@ class Part:
     made: bool
     standard: str
     color: Color
+    mesh: Mesh | None = None
+    boundary: Boundary | None = None
+    print_up: Vector | None = None
 
     @classmethod
     def homogeneous(
@@ -55,6 +64,20 @@ class Part:
     def volume_mm3(self) -> float:
         """Volume of the solid."""
         return self.measured.volume_mm3
+
+    def moved(self, shift_mm: Array) -> Part:
+        """The same part displaced rigidly by a vector of shape (3,)."""
+        x, y, z = as_vector(shift_mm)
+        return replace(
+            self,
+            com_mm=as_vector(np.add(self.com_mm, shift_mm)),
+            solid=self.solid.moved(Location((x, y, z))),
+            measured=replace(self.measured, com_mm=as_vector(np.add(self.measured.com_mm, shift_mm))),
+            mesh=None
+            if self.mesh is None
+            else replace(self.mesh, vertices_mm=self.mesh.vertices_mm + shift_mm),
+            boundary=None if self.boundary is None else self.boundary.moved((x, y, z)),
+        )
 
 
 @dataclass(frozen=True)

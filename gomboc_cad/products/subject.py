@@ -8,6 +8,9 @@ from gomboc_cad.equilibria.records import Vector
 from gomboc_cad.products.spec import PRODUCTS
 from gomboc_cad.progress import Progress, silent
 
+DESIGN_STAGES = 4
+"""How many stages the design of a product reports."""
+
 
 def is_spec(name: str) -> bool:
     """Whether a name stands for a spec (a product or a TOML file) and not for a body of the catalogue."""
@@ -29,10 +32,10 @@ def body_and_com(subject: str | Body, progress: Progress = silent) -> tuple[Body
     """
     if isinstance(subject, str) and is_spec(subject):
         # The kernel is loaded only for what needs it.
-        from gomboc_cad.products.imu_housing import design_imu_housing
+        from gomboc_cad.products.recipes import design_product
         from gomboc_cad.products.spec import load_spec, spec_path
 
-        design = design_imu_housing(load_spec(subject), spec_path(subject).parent, progress)
+        design = design_product(load_spec(subject), spec_path(subject).parent, progress)
         return design.body, design.assembly.com_mm
     body = named_body(subject) if isinstance(subject, str) else subject
     return body, mass_properties(body).com_mm

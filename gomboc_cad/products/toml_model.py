@@ -5,8 +5,9 @@ from __future__ import annotations
 import difflib
 import math
 import tomllib
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, TypeVar, get_args
 
 from annotated_types import Ge, Gt, Le, Lt, MaxLen, MinLen
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -15,6 +16,7 @@ from pydantic.fields import FieldInfo
 from gomboc_cad.errors import SpecError
 
 MAX_FILE_BYTES = 1_000_000
+_QUOTE = "'"
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Count = Annotated[int, Field(strict=True)]
@@ -71,37 +73,71 @@ def parse_model(model: type[Model], data: dict[str, Any], source: str) -> Model:
         raise SpecError(f"{source}: {mistakes}.") from None
 
 
+@dataclass
+class _Place:
+    """Where in a model a location of pydantic leads.
+
+    Attributes:
+        keys: The keys of the file on the way.
+        owner: The model that the last key was looked for in, if it is known.
+        field: The last field that was found.
+    """
+
+    keys: list[str | int]
+    owner: type[BaseModel] | None
+    field: FieldInfo | None
+
+
 def _mistake(model: type[BaseModel], detail: dict[str, Any]) -> str:
     """Say what is wrong with one key."""
-    # Branches of a union carry names such as function-after[...] that are no keys of the file.
-    path = [part for part in detail["loc"] if isinstance(part, int) or part.isidentifier() or part.isalnum()]
-    key = ".".join(str(part) for part in path)
+    place = _place(model, detail["loc"])
+    key = ".".join(str(part) for part in place.keys)
     kind = detail["type"]
     if kind == "extra_forbidden":
-        return f"unknown key {key}{_suggestion(model, path)}"
+        return f"unknown key {key}{_suggestion(place)}"
     if kind == "missing":
         return f"the key {key} is missing"
     if kind == "value_error":
         prefix = f"{key}: " if key else ""
         return prefix + str(detail["ctx"]["error"])
-    field = _field_at(model, path)
-    allowed = allowed_values(field) if field is not None else ""
+    if kind in {"union_tag_invalid", "union_tag_not_found"}:
+        allowed = ", ".join(str(tag) for tag in _variants(place.field))
+        key = f"{key}.{detail['ctx']['discriminator'].strip(_QUOTE)}"
+        if kind == "union_tag_not_found":
+            return f"the key {key} is missing (allowed: {allowed})"
+        return f"{key} = {detail['ctx']['tag']!r} is not allowed (allowed: {allowed})"
+    allowed = allowed_values(place.field) if place.field is not None else ""
     shown = repr(detail["input"])
     shown = shown if len(shown) <= 60 else shown[:57] + "..."
     reason = detail["msg"][0].lower() + detail["msg"][1:]
     return f"{key} = {shown} is not allowed ({allowed or reason})"
 
 
-def _field_at(model: type[BaseModel], path: list[str | int]) -> FieldInfo | None:
-    """Find the field that a path of keys leads to."""
-    field: FieldInfo | None = None
+def _place(model: type[BaseModel], location: tuple[str | int, ...]) -> _Place:
+    """Follow a location, in which branches of a union carry names that are no keys of the file."""
+    place = _Place([], model, None)
     current: type[BaseModel] | None = model
-    for part in path:
-        if current is None or not isinstance(part, str) or part not in current.model_fields:
-            break
-        field = current.model_fields[part]
-        current = _model_within(field.annotation)
-    return field
+    for part in location:
+        if (variant := _variants(place.field).get(part)) and current is None:
+            current = variant
+            continue
+        if isinstance(part, str) and not (part.isidentifier() or part.isalnum()):
+            continue
+        place.keys.append(part)
+        place.owner = current
+        field = current.model_fields.get(part) if current is not None and isinstance(part, str) else None
+        place.field = field or place.field
+        current = _model_within(field.annotation) if field and not _variants(field) else None
+    return place
+
+
+def _variants(field: FieldInfo | None) -> dict[str | int, type[BaseModel]]:
+    """Models that a field may hold, by the value of the key that chooses; empty where none does."""
+    if field is None or not isinstance(field.discriminator, str):
+        return {}
+    models = [choice for choice in get_args(field.annotation) if issubclass(choice, BaseModel)]
+    tags = [(get_args(choice.model_fields[field.discriminator].annotation), choice) for choice in models]
+    return {value: choice for values, choice in tags for value in values}
 
 
 def _model_within(annotation: Any) -> type[BaseModel] | None:
@@ -109,13 +145,9 @@ def _model_within(annotation: Any) -> type[BaseModel] | None:
     return next((c for c in candidates if isinstance(c, type) and issubclass(c, BaseModel)), None)
 
 
-def _suggestion(model: type[BaseModel], path: list[str | int]) -> str:
-    current: type[BaseModel] | None = model
-    for part in path[:-1]:
-        field = current.model_fields.get(str(part)) if current else None
-        current = _model_within(field.annotation) if field else current
-    known = list(current.model_fields) if current else []
-    near = difflib.get_close_matches(str(path[-1]), known, n=1)
+def _suggestion(place: _Place) -> str:
+    known = list(place.owner.model_fields) if place.owner else []
+    near = difflib.get_close_matches(str(place.keys[-1]), known, n=1)
     return f", did you mean {near[0]}?" if near else f" (known here: {', '.join(known)})"
 
 

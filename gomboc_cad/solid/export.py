@@ -12,10 +12,12 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from hashlib import sha256
 from pathlib import Path
+from typing import Protocol
 
 import lib3mf
 import numpy as np
 
+from gomboc_cad.body.sphere import Array
 from gomboc_cad.errors import OutputError
 from gomboc_cad.solid.mesh import Mesh
 from gomboc_cad.solid.output import write_bytes
@@ -26,6 +28,22 @@ _EPOCH = datetime(1980, 1, 1, tzinfo=UTC)
 
 _NAMESPACE = uuid.uuid5(uuid.NAMESPACE_URL, "gomboc-cad/3mf")
 _STL_FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+
+
+class PlateItem(Protocol):
+    """A copy of a part on a plate: its vertices are turned, and then moved."""
+
+    @property
+    def part(self) -> str:
+        """Name of the part."""
+
+    @property
+    def turn(self) -> Array:
+        """Rotation, shape (3, 3)."""
+
+    @property
+    def shift_mm(self) -> Array:
+        """Displacement after it, shape (3,)."""
 
 
 @dataclass(frozen=True)
@@ -77,21 +95,49 @@ def write_3mf(path: Path, parts: Sequence[NamedMesh]) -> None:
     Raises:
         OutputError: If the file cannot be written there.
     """
-    wrapper = lib3mf.get_wrapper()
-    model = wrapper.CreateModel()
-    model.SetUnit(lib3mf.ModelUnit.MilliMeter)
-    seed = sha256()
+    model = _Model3mf()
     for part in parts:
+        model.place(model.add(part), np.eye(3), np.zeros(3))
+    model.write(path)
+
+
+def write_plate(path: Path, parts: Sequence[NamedMesh], items: Sequence[PlateItem]) -> None:
+    """Write a 3MF file of parts laid out on a printer's bed: each mesh once, however many copies there are.
+
+    Args:
+        path: The file.
+        parts: The parts.
+        items: Where each copy goes.
+
+    Raises:
+        OutputError: If the file cannot be written there.
+    """
+    model = _Model3mf()
+    objects = {part.name: model.add(part) for part in parts}
+    for item in items:
+        model.place(objects[item.part], np.array(item.turn), np.array(item.shift_mm))
+    model.write(path)
+
+
+class _Model3mf:
+    """A 3MF model in the making; its ids follow from its content."""
+
+    def __init__(self) -> None:
+        self.wrapper = lib3mf.get_wrapper()
+        self.model = self.wrapper.CreateModel()
+        self.model.SetUnit(lib3mf.ModelUnit.MilliMeter)
+        self.seed = sha256()
+
+    def add(self, part: NamedMesh) -> lib3mf.MeshObject:
+        """Add a mesh as an object."""
         vertices = np.ascontiguousarray(part.mesh.vertices_mm, dtype=np.float32)
         faces = np.ascontiguousarray(part.mesh.faces, dtype=np.uint32)
-        for piece in (part.name.encode(), vertices.tobytes(), faces.tobytes()):
-            seed.update(piece)
-        item = model.AddMeshObject()
+        item = self.model.AddMeshObject()
         item.SetName(part.name)
         # From arrays straight into the library; its Python method takes a structure per vertex.
-        wrapper.checkError(
+        self.wrapper.checkError(
             item,
-            wrapper.lib.lib3mf_meshobject_setgeometry(
+            self.wrapper.lib.lib3mf_meshobject_setgeometry(
                 item._handle,
                 ctypes.c_uint64(len(vertices)),
                 vertices.ctypes.data_as(ctypes.POINTER(lib3mf.Position)),
@@ -99,11 +145,29 @@ def write_3mf(path: Path, parts: Sequence[NamedMesh]) -> None:
                 faces.ctypes.data_as(ctypes.POINTER(lib3mf.Triangle)),
             ),
         )
-        item.SetUUID(str(uuid.uuid5(_NAMESPACE, f"object {seed.hexdigest()}")))
-        placed = model.AddBuildItem(item, wrapper.GetIdentityTransform())
-        placed.SetUUID(str(uuid.uuid5(_NAMESPACE, f"item {seed.hexdigest()}")))
-    model.SetBuildUUID(str(uuid.uuid5(_NAMESPACE, f"build {seed.hexdigest()}")))
-    write_bytes(path, _with_fixed_dates(bytes(model.QueryWriter("3mf").WriteToBuffer())))
+        item.SetUUID(self._uuid("object", part.name.encode(), vertices.tobytes(), faces.tobytes()))
+        return item
+
+    def place(self, item: lib3mf.MeshObject, turn: Array, shift_mm: Array) -> None:
+        """Put an object into the build, turned by a rotation (3, 3) and then moved."""
+        transform = lib3mf.Transform()
+        # 3MF multiplies rows by the matrix.
+        for row, values in enumerate(np.vstack([turn.T, shift_mm]).tolist()):
+            for column, value in enumerate(values):
+                transform.Fields[row][column] = value
+        placed = self.model.AddBuildItem(item, transform)
+        placed.SetUUID(self._uuid("item", np.array([*turn.ravel(), *shift_mm], dtype=np.float32).tobytes()))
+
+    def write(self, path: Path) -> None:
+        """Write the file."""
+        self.model.SetBuildUUID(self._uuid("build"))
+        write_bytes(path, _with_fixed_dates(bytes(self.model.QueryWriter("3mf").WriteToBuffer())))
+
+    def _uuid(self, what: str, *content: bytes) -> str:
+        """An id that follows from all content so far."""
+        for piece in (what.encode(), *content):
+            self.seed.update(piece)
+        return str(uuid.uuid5(_NAMESPACE, self.seed.hexdigest()))
 
 
 def file_date() -> datetime:

@@ -139,7 +139,7 @@ def inspect_file(path: Path, expected: Sequence[Expected], audit: bool = False) 
         else:
             stl_name = expected[0].name if expected else path.stem
             meshes = read_3mf(path) if kind == "3mf" else [(stl_name, read_stl(path))]
-            found = [_inspect_mesh(n, mesh, by_name.get(n), audit) for n, mesh in meshes]
+            found = [inspect_mesh(n, mesh, by_name.get(n), audit) for n, mesh in meshes]
         problems = [problem for _, clauses in found for problem in clauses]
     except InspectionError as error:
         found, problems = [], [str(error)]
@@ -184,7 +184,7 @@ def _inspect_brep(name: str, shape: Shape, expected: Expected | None) -> tuple[P
                 mass, expected, MASS_TOLERANCE * mass.volume_mm3, MASS_TOLERANCE * reach_mm
             )
             try:
-                distance_um = max_deviation_um(shape, expected.boundary.inset_surfaces)
+                distance_um = max_deviation_um(shape, expected.boundary.curved_surfaces)
             except GeometryError as error:
                 problems.append(f"{name}: {error}")
             else:
@@ -192,10 +192,10 @@ def _inspect_brep(name: str, shape: Shape, expected: Expected | None) -> tuple[P
     return PartInspection(name, True, mass.volume_mm3, mass.com_mm, distance_um), problems
 
 
-def _inspect_mesh(
-    name: str, mesh: Mesh, expected: Expected | None, audit: bool
+def inspect_mesh(
+    name: str, mesh: Mesh, expected: Expected | None, audit: bool = False
 ) -> tuple[PartInspection, list[str]]:
-    """Check one mesh of an STL or 3MF file."""
+    """Check one mesh of an STL or 3MF file; gives what was found and a sentence for each fault."""
     facets = len(mesh.faces)
     problems = [f"{name} {fault}." for fault in audit_mesh(mesh)] if audit else []
     tri = trimesh.Trimesh(mesh.vertices_mm, mesh.faces, process=False)

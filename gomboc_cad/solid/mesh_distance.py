@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from manifold3d import Manifold
+from scipy.spatial import cKDTree
 
 from gomboc_cad.body.sphere import Array, IntArray
 from gomboc_cad.solid.boundary import Boundary
@@ -81,12 +82,17 @@ def _facet_distances(mesh: Mesh, boundary: Boundary, near_mm: float) -> tuple[Ar
     edges, edges_of_face = mesh.edges()
     middles = 0.5 * (mesh.vertices_mm[edges[:, 0]] + mesh.vertices_mm[edges[:, 1]])
     largest, mean, mean_at_corners = np.full(len(mesh.faces), np.inf), *np.zeros((2, len(mesh.faces)))
+    tree = cKDTree(mesh.vertices_mm[mesh.faces[:, 0]])
     for surface in boundary.surfaces():
-        left = np.flatnonzero(largest > near_mm)
-        at_vertices = _at_used(surface.distance_mm, mesh.vertices_mm, mesh.faces[left])
-        on = left[(np.abs(at_vertices) <= near_mm)[mesh.faces[left]].all(axis=1)]
-        corners = at_vertices[mesh.faces[on]]
-        sags = _at_used(surface.distance_mm, middles, edges_of_face[on])[edges_of_face[on]]
+        if surface.center_mm is None:
+            left = np.flatnonzero(largest > near_mm)
+        else:
+            near = tree.query_ball_point(surface.center_mm, surface.reach_mm + near_mm)
+            left = np.sort([facet for facet in near if largest[facet] > near_mm]).astype(np.int64)
+        at_corners = _at_used(surface.distance_mm, mesh.vertices_mm, mesh.faces[left])
+        touching = (np.abs(at_corners) <= near_mm).all(axis=1)
+        on, corners = left[touching], at_corners[touching]
+        sags = _at_used(surface.distance_mm, middles, edges_of_face[on])
         sags -= 0.5 * (corners + np.roll(corners, -1, axis=1))
         largest[on] = largest_in_facets(corners, sags)
         # The mean of a quadratic over a facet.
@@ -107,11 +113,9 @@ def _worst_corner_mm(corners_mm: Array, boundary: Boundary) -> Array:
 
 
 def _at_used(function: Callable[[Array], Array], points: Array, indices: IntArray) -> Array:
-    """Evaluate a function at the indexed points only; the others get infinity."""
-    used = np.zeros(len(points), dtype=bool)
-    used[indices] = True
-    values = np.full(len(points), np.inf)
-    values[used] = function(points[used])
+    """Values of a function at the indexed points, each computed once, in the shape of the indices."""
+    used, places = np.unique(indices, return_inverse=True)
+    values: Array = function(points[used])[places.reshape(indices.shape)]
     return values
 
 

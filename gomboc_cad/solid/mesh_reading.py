@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
+from gomboc_cad.body.sphere import Array
 from gomboc_cad.errors import InspectionError
 from gomboc_cad.solid.mesh import Mesh
 
@@ -27,14 +28,25 @@ def read_3mf(path: Path) -> list[tuple[str, Mesh]]:
     Raises:
         InspectionError: If it cannot be read, or is not in millimetres.
     """
+    meshes, items = read_3mf_items(path)
+    return [
+        (name, Mesh(meshes[name].vertices_mm @ place[:3, :3].T + place[:3, 3], meshes[name].faces))
+        for name, place in items
+    ]
+
+
+def read_3mf_items(path: Path) -> tuple[dict[str, Mesh], list[tuple[str, Array]]]:
+    """Read the objects of a 3MF file by name, and the items of its build: an object and a place (4, 4) each.
+
+    Raises:
+        InspectionError: If it cannot be read, or is not in millimetres.
+    """
     scene = _load(path)
     if scene.units != "millimeter":
         raise InspectionError(f"{path.name} is in the unit {scene.units!r} and not in millimetres.")
-    objects = []
-    for node in scene.graph.nodes_geometry:
-        transform, name = scene.graph[node]
-        objects.append((str(name), _mesh(path, scene.geometry[name].copy().apply_transform(transform))))
-    return objects
+    places = [scene.graph[node] for node in scene.graph.nodes_geometry]
+    meshes = {str(name): _mesh(path, scene.geometry[name]) for _, name in places}
+    return meshes, [(str(name), np.array(place, dtype=float)) for place, name in places]
 
 
 def _load(path: Path) -> trimesh.Scene:

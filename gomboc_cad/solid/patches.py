@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 from build123d import Shape, Solid
@@ -31,6 +32,9 @@ from gomboc_cad.body.sphere import Array, unit
 from gomboc_cad.errors import GeometryError
 from gomboc_cad.solid.offset import InsetSurface
 from gomboc_cad.solid.spans import spline_face
+
+if TYPE_CHECKING:
+    from gomboc_cad.solid.hollow.tools import Ellipsoid
 
 DEGREE = 5
 POINTS_PER_EDGE = (17, 25, 33, 49, 65)
@@ -113,7 +117,7 @@ def fit_patches(surface: InsetSurface, deviation_um: float | None = None) -> tup
     )
 
 
-def max_deviation_um(solid: Shape, surfaces: Sequence[InsetSurface]) -> float:
+def max_deviation_um(solid: Shape, surfaces: Sequence[InsetSurface | Ellipsoid]) -> float:
     """Largest distance of a solid's B-spline faces from the analytic surfaces they stand for.
 
     Each face counts against the surface that it fits best. Works on any solid, also one read from a file.

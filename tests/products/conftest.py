@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from gomboc_cad.products.imu_housing import HousingDesign, design_imu_housing
+from gomboc_cad.products.imu_housing.recipe import HousingDesign, design_imu_housing
 from gomboc_cad.products.spec import load_spec
 from gomboc_cad.resources import template_folder
 

@@ -11,7 +11,7 @@ from build123d import Solid
 
 from gomboc_cad.products.assembly import Part
 from gomboc_cad.products.bill_of_materials import bill_csv, bill_of_materials
-from gomboc_cad.products.imu_housing import HousingDesign
+from gomboc_cad.products.imu_housing.recipe import HousingDesign
 from gomboc_cad.products.materials import load_material
 
 GREY = (0.5, 0.5, 0.5)

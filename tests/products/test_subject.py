@@ -6,7 +6,7 @@ import pytest
 
 from gomboc_cad.body import catalog, mass_properties
 from gomboc_cad.errors import BodyError, SpecError
-from gomboc_cad.products.imu_housing import HousingDesign
+from gomboc_cad.products.imu_housing.recipe import HousingDesign
 from gomboc_cad.products.subject import body_and_com, is_spec
 
 

@@ -14,7 +14,7 @@ from gomboc_cad import Body
 from gomboc_cad.body import mass_properties
 from gomboc_cad.solid.boundary import Boundary
 from gomboc_cad.solid.export import NamedMesh, NamedSolid, write_3mf, write_step, write_stl
-from gomboc_cad.solid.hollow import Cylinder, HollowBody, Mesh, brep, mesh, split_brep, split_mesh
+from gomboc_cad.solid.hollow import Cylinder, HollowBody, Mesh, Seam, brep, mesh, split_brep, split_mesh
 from gomboc_cad.solid.inspect import Expected
 from gomboc_cad.solid.mass import solid_mass
 from gomboc_cad.solid.mesh import body_mesh
@@ -22,6 +22,7 @@ from gomboc_cad.solid.patches import body_solid, default_deviation_um
 
 SAG_UM = 20.0
 ORIGIN, ALONG_X = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0)
+SEAM = Seam(ORIGIN, ALONG_X)
 
 
 def reference_hollow(body: Body) -> HollowBody:
@@ -79,13 +80,13 @@ def hollow_mesh(hollow: HollowBody) -> Mesh:
 
 @pytest.fixture(scope="session")
 def halves(hollow: HollowBody, hollow_brep: Solid, hollow_mesh: Mesh) -> Halves:
-    solids = split_brep(hollow_brep, ORIGIN, ALONG_X)
-    boundaries = Boundary.of_hollow(hollow).split(ORIGIN, ALONG_X)
+    solids = split_brep(hollow_brep, SEAM)
+    boundaries = Boundary.of_hollow(hollow).split(SEAM)
     lower, upper = (
         Expected(name, solid_mass(solid).volume_mm3, solid_mass(solid).com_mm, 0.1, boundary)
         for name, solid, boundary in zip(("lower half", "upper half"), solids, boundaries, strict=True)
     )
-    return Halves(solids, split_mesh(hollow_mesh, ORIGIN, ALONG_X), (lower, upper))
+    return Halves(solids, split_mesh(hollow_mesh, SEAM, SAG_UM), (lower, upper))
 
 
 @pytest.fixture(scope="session")

@@ -164,8 +164,8 @@ def test_writing_twice_gives_the_same_bytes(tmp_path: Path, files: Path, root: P
         "from gomboc_cad.solid.inspect import Expected\n"
         "from tests.solid.conftest import *\n"
         "body = gomboc_cad.catalog()['primary']; hollow = reference_hollow(body)\n"
-        "solids = split_brep(brep(hollow), ORIGIN, ALONG_X)\n"
-        "meshes = split_mesh(mesh(hollow, SAG_UM), ORIGIN, ALONG_X)\n"
+        "solids = split_brep(brep(hollow), SEAM)\n"
+        "meshes = split_mesh(mesh(hollow, SAG_UM), SEAM, SAG_UM)\n"
         "expected = [Expected(n, 1.0, ORIGIN, 1.0) for n in ('lower half', 'upper half')]\n"
         "write_all(Path(sys.argv[1]), body, Halves(solids, meshes, expected))\n"
     )

@@ -11,7 +11,8 @@ from build123d import Solid
 from gomboc_cad import Body
 from gomboc_cad.body import mass_properties
 from gomboc_cad.errors import GeometryError
-from gomboc_cad.solid.hollow import Cylinder, HollowBody, brep, split_brep, void_properties
+from gomboc_cad.solid.boundary import Boundary
+from gomboc_cad.solid.hollow import Cylinder, HollowBody, Seam, brep, split_brep, void_properties
 from gomboc_cad.solid.mass import solid_mass
 from gomboc_cad.solid.offset import InsetSurface
 from gomboc_cad.solid.patches import max_deviation_um
@@ -61,7 +62,7 @@ def test_halves_are_one_valid_solid_each_and_add_up(halves: Halves, hollow_brep:
 
 def test_surfaces_of_the_halves_are_the_analytic_ones(hollow: HollowBody, halves: Halves) -> None:
     for solid in halves.solids:
-        assert max_deviation_um(solid, [hollow.outer, hollow.inner]) <= 0.1
+        assert max_deviation_um(solid, Boundary.of_hollow(hollow).curved_surfaces) <= 0.1
 
 
 def test_enclosed_holes_are_voids_of_their_own(hollow_brep: Solid) -> None:
@@ -80,7 +81,7 @@ def test_hole_through_the_wall_takes_its_cylinder_away(primary: Body) -> None:
 
 def test_oblique_planes_split_too(hollow_brep: Solid) -> None:
     normal = np.array([1.0, 0.2, -0.15])
-    parts = split_brep(hollow_brep, (1.0, 0.5, 0.0), tuple(normal))
+    parts = split_brep(hollow_brep, Seam((1.0, 0.5, 0.0), tuple(normal)))
     heights = [(np.array(solid_mass(part).com_mm) - (1.0, 0.5, 0.0)) @ normal for part in parts]
     assert heights[0] < 0 < heights[1]
     volumes = [solid_mass(part).volume_mm3 for part in parts]
@@ -89,7 +90,7 @@ def test_oblique_planes_split_too(hollow_brep: Solid) -> None:
 
 def test_a_plane_that_misses_is_refused(hollow_brep: Solid) -> None:
     with pytest.raises(GeometryError, match="leaves 1 below and 0 above"):
-        split_brep(hollow_brep, (60.0, 0.0, 0.0), ALONG_X)
+        split_brep(hollow_brep, Seam((60.0, 0.0, 0.0), ALONG_X))
 
 
 def test_a_free_boss_is_refused(primary: Body) -> None:

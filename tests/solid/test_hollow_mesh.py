@@ -13,7 +13,7 @@ from gomboc_cad.body import mass_properties
 from gomboc_cad.body.sphere import Array
 from gomboc_cad.errors import GeometryError
 from gomboc_cad.solid.boundary import Boundary
-from gomboc_cad.solid.hollow import Cylinder, HollowBody, Mesh, brep, mesh, split_mesh
+from gomboc_cad.solid.hollow import Cylinder, HollowBody, Mesh, Seam, brep, mesh, split_mesh
 from gomboc_cad.solid.mass import solid_mass
 from gomboc_cad.solid.mesh import body_mesh, facet_sag_um, subdivision_level
 from gomboc_cad.solid.mesh_distance import MeshDistance, mesh_distance
@@ -118,7 +118,7 @@ def test_stacked_holes_open_into_each_other(primary: Body) -> None:
 
 def test_planes_and_bosses_that_leave_pieces_are_refused(primary: Body, hollow_mesh: Mesh) -> None:
     with pytest.raises(GeometryError, match="upper part is in 0 pieces"):
-        split_mesh(hollow_mesh, (60.0, 0.0, 0.0), ALONG_X)
+        split_mesh(hollow_mesh, Seam((60.0, 0.0, 0.0), ALONG_X), SAG_UM)
     floating = HollowBody(primary, 3.0, bosses=(Cylinder((-5.0, 0.0, 0.0), ALONG_X, 3.0, 10.0),))
     with pytest.raises(GeometryError, match="is in 2 pieces"):
         mesh(floating, 200.0)

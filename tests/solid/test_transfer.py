@@ -36,7 +36,7 @@ from gomboc_cad.solid.patches import (
 from gomboc_cad.solid.spans import FINER, NODES, OVERSHOOT, chebyshev_grid, least_modulus, spline_faces
 from gomboc_cad.solid.step import NamedSolid, read_step
 from gomboc_cad.solid.transfer import Transfer, transfer
-from tests.solid.conftest import ALONG_X, ORIGIN
+from tests.solid.conftest import ORIGIN, SEAM
 
 BODIES = ("primary", "sloan2-0.030", "sloan2-0.035")
 SPHERE = make_body("sloan2", 0.0)
@@ -301,7 +301,7 @@ def test_halves_of_a_housing_carry_the_patches_of_the_body(
 ) -> None:
     com = mass_properties(primary).com_mm
     (whole,) = through_step(tmp_path, body_solid(primary))
-    halves = through_step(tmp_path, *split_brep(hollow_brep, ORIGIN, ALONG_X))
+    halves = through_step(tmp_path, *split_brep(hollow_brep, SEAM))
     of_halves = spline_faces(halves)
     assert all(any(face.same_as(other) for other in of_halves) for face in spline_faces([whole]))
     found, expected = (transfer(solids, primary, com, com, 0.165) for solids in (halves, [whole]))

@@ -2,48 +2,58 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import itertools
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 from build123d import CenterOf, Compound, Shape, Solid
+from numpy.typing import NDArray
 from OCP.BRepAlgoAPI import (
-    BRepAlgoAPI_BooleanOperation,
     BRepAlgoAPI_Cut,
     BRepAlgoAPI_Fuse,
     BRepAlgoAPI_Splitter,
 )
 from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakeSolid, BRepBuilderAPI_Transform
-from OCP.BRepCheck import BRepCheck_Analyzer
-from OCP.BRepLib import BRepLib
-from OCP.BRepPrimAPI import BRepPrimAPI_MakeCylinder
-from OCP.GeomAbs import GeomAbs_Shape
-from OCP.gp import gp_Ax2, gp_Dir, gp_Pln, gp_Pnt, gp_Trsf, gp_Vec
-from OCP.ShapeUpgrade import ShapeUpgrade_ShapeDivideContinuity
+from OCP.gp import gp_Dir, gp_Pln, gp_Pnt, gp_Trsf, gp_Vec
 from OCP.TopoDS import TopoDS, TopoDS_Shape
-from OCP.TopTools import TopTools_ListOfShape
 
 from gomboc_cad.body.mass import MassProperties
-from gomboc_cad.equilibria.records import Vector
+from gomboc_cad.body.sphere import Array
 from gomboc_cad.errors import GeometryError
-from gomboc_cad.solid.hollow.description import Cylinder, HollowBody
+from gomboc_cad.solid.hollow.brep_tools import (
+    boolean,
+    checked,
+    is_inside,
+    only_one,
+    single_solid,
+    smooth_edges,
+    solids_of,
+    tool_shape,
+)
+from gomboc_cad.solid.hollow.description import HollowBody
+from gomboc_cad.solid.hollow.seam import Seam
+from gomboc_cad.solid.hollow.tools import Tool
 from gomboc_cad.solid.mass import solid_mass
 from gomboc_cad.solid.patches import body_solid, inset_solid
 
-_SAME_PARAMETER_TOLERANCE_MM = 1e-7
-_CONTINUITY_TOLERANCE_MM = 1e-6
+_TURN_RAD = 1.0
+"""Turns the seam lines of cylinders out of the planes of the axes, in which patches meet."""
+
+_TRIALS = 3
 
 
 def brep(hollow: HollowBody) -> Solid:
     """Make the one solid that a hollow body is.
 
     The cavity with its bosses and enclosed holes is made first, away from the outer surface, and then put
-    into it as reversed shells, which needs no boolean operation. Only holes that reach the outside are cut.
+    into it as reversed shells, which needs no boolean operation. Only openings, and holes that reach the
+    outside, are cut.
 
     Raises:
-        GeometryError: If a boss stands free in the cavity, a hole cuts the body into pieces, or OCCT finds
-            the result faulty.
+        GeometryError: If a boss stands free in the cavity, a hole cuts the body into pieces, or OCCT leaves
+            a boss or an opening out or finds the result faulty.
     """
     shift = gp_Trsf()
     shift.SetTranslation(gp_Vec(*hollow.core_shift_mm))
@@ -51,10 +61,10 @@ def brep(hollow: HollowBody) -> Solid:
     for void in _core_voids(hollow.core):
         moved = BRepBuilderAPI_Transform(void.shell().wrapped, shift, True).Shape()
         maker.Add(TopoDS.Shell_s(moved.Reversed()))
-    shape: TopoDS_Shape = maker.Solid()
-    if hollow.open_holes:
-        shape = _boolean(BRepAlgoAPI_Cut(), [shape], map(_cylinder, hollow.open_holes))
-    return _single_solid(_smooth_edges(shape), "The hollow body")
+    whole: TopoDS_Shape = maker.Solid()
+    if not hollow.open_cuts:
+        return single_solid(whole, "The hollow body")
+    return _drilled(whole, hollow)
 
 
 def void_properties(hollow: HollowBody) -> MassProperties:
@@ -69,115 +79,128 @@ def void_properties(hollow: HollowBody) -> MassProperties:
     return replace(mass, com_mm=(x, y, z))
 
 
-def split_brep(solid: Solid, origin_mm: Vector, normal: Vector) -> tuple[Solid, Solid]:
-    """Cut a solid by a plane.
+def split_brep(solid: Solid, seam: Seam) -> tuple[Solid, Solid]:
+    """Cut a solid along a seam.
 
     Args:
         solid: The solid.
-        origin_mm: A point of the plane.
-        normal: Its normal, of any length but zero.
+        seam: The seam.
 
     Returns:
-        The part below the plane, against the normal, and the part above it.
+        The part below the plane, against its normal, and the part above it.
 
     Raises:
         GeometryError: If the plane misses the solid, a side falls into several pieces, or OCCT finds a part
             faulty.
     """
-    plane = gp_Pln(gp_Pnt(*origin_mm), gp_Dir(*normal))
-    reach = 2.0 * solid.bounding_box(optimal=False).diagonal + float(np.linalg.norm(origin_mm))
-    tool = BRepBuilderAPI_MakeFace(plane, -reach, reach, -reach, reach).Face()
-    pieces = Compound(_smooth_edges(_boolean(BRepAlgoAPI_Splitter(), [solid.wrapped], [tool]))).solids()
-    sides: tuple[list[Solid], list[Solid]] = ([], [])
-    for piece in pieces:
-        height = np.subtract(tuple(piece.center(CenterOf.MASS)), origin_mm) @ np.asarray(normal)
-        sides[int(height > 0.0)].append(piece)
-    lower, upper = sides
+    size_mm = solid.bounding_box(optimal=False).diagonal
+    lower, upper = _sides(solid, seam, size_mm) if seam.is_flat else _stepped_sides(solid, seam, size_mm)
     if len(lower) != 1 or len(upper) != 1:
         raise GeometryError(
-            f"The plane must cut the solid into two parts, one on each side, but leaves {len(lower)} below "
+            f"The seam must cut the solid into two parts, one on each side, but leaves {len(lower)} below "
             f"and {len(upper)} above; move the plane, or the bosses and holes that it meets."
         )
-    return _checked(lower[0], "The lower part"), _checked(upper[0], "The upper part")
+    return checked(lower[0], "The lower part"), checked(upper[0], "The upper part")
+
+
+def _sides(solid: Solid, seam: Seam, size_mm: float) -> tuple[list[Solid], list[Solid]]:
+    """Pieces below and above a flat seam."""
+    plane = gp_Pln(gp_Pnt(*seam.origin_mm), gp_Dir(*seam.normal))
+    reach = 2.0 * size_mm + float(np.linalg.norm(seam.origin_mm))
+    face = BRepBuilderAPI_MakeFace(plane, -reach, reach, -reach, reach).Face()
+    sides: tuple[list[Solid], list[Solid]] = ([], [])
+    for piece in solids_of(boolean(BRepAlgoAPI_Splitter(), [solid.wrapped], [face])):
+        height = np.subtract(tuple(piece.center(CenterOf.MASS)), seam.origin_mm) @ seam.up
+        sides[int(height > 0.0)].append(piece)
+    return sides
+
+
+def _stepped_sides(solid: Solid, seam: Seam, size_mm: float) -> tuple[list[Solid], list[Solid]]:
+    """Pieces of the lower and of the upper part.
+
+    The tongue is left out of the tool that cuts the upper part, so nothing has to be joined in the plane.
+    """
+    below, above = (tool_shape(space) for space in seam.half_spaces(size_mm))
+    if seam.tongue:
+        below = boolean(BRepAlgoAPI_Cut(), [below], map(tool_shape, seam.tongue))
+    groove = [above, *map(tool_shape, seam.taken_below)]
+    lower = boolean(BRepAlgoAPI_Cut(), [solid.wrapped], groove)
+    upper = boolean(BRepAlgoAPI_Cut(), [solid.wrapped], [below])
+    return solids_of(lower), solids_of(upper)
+
+
+def _drilled(shape: TopoDS_Shape, hollow: HollowBody) -> Solid:
+    """Cut the openings, and again those that OCCT leaves in place.
+
+    Where the seam line of a cylinder meets the surface it may, once in some hundred cuts, give the whole
+    body and the plug beside it. With the seam line elsewhere the cut is right.
+    """
+    probes = _probes(hollow.open_cuts, hollow.in_wall)
+    turn_rad = dict.fromkeys(hollow.open_cuts, _TURN_RAD)
+    for _ in range(_TRIALS):
+        cut = boolean(BRepAlgoAPI_Cut(), [shape], itertools.starmap(tool_shape, turn_rad.items()))
+        pieces = solids_of(cut)
+        body = max(pieces, key=lambda solid: solid.volume)
+        inside = is_inside(body, [probe for _, probe in probes])
+        left = [tool for (tool, _), still_there in zip(probes, inside, strict=True) if still_there]
+        if not left:
+            break
+        for tool in left:
+            turn_rad[tool] += _TURN_RAD
+    _refuse_leftovers([body], hollow.open_cuts, hollow.in_wall)
+    return only_one(pieces, "The hollow body")
 
 
 @lru_cache(maxsize=4)
 def _core_voids(hollow: HollowBody) -> tuple[Solid, ...]:
     """Solids that an unshifted core takes away."""
-    shape = inset_solid(hollow.inner).wrapped
-    if hollow.bosses:
-        shape = _boolean(BRepAlgoAPI_Cut(), [shape], map(_cylinder, hollow.bosses))
-    if hollow.holes:
-        shape = _boolean(BRepAlgoAPI_Fuse(), [shape], map(_cylinder, hollow.holes))
-    voids = tuple(Solid(piece.wrapped) for piece in Shape.cast(shape).solids())
+    pieces = [tool_shape(hole) for hole in hollow.holes]
+    if hollow.inner is not None:
+        cavity = inset_solid(hollow.inner).wrapped
+        if hollow.bosses:
+            cavity = boolean(BRepAlgoAPI_Cut(), [cavity], map(tool_shape, hollow.bosses))
+        pieces.insert(0, cavity)
+    if len(pieces) > 1:
+        pieces = [boolean(BRepAlgoAPI_Fuse(), pieces[:1], pieces[1:])]
+    voids = tuple(Solid(void.wrapped) for piece in pieces for void in Shape.cast(piece).solids())
     if any(len(void.shells()) != 1 for void in voids):
         raise GeometryError("A boss stands free in the cavity; lengthen it until it reaches the wall.")
-    return tuple(_checked(void, "The cavity") for void in voids)
+    _refuse_leftovers(voids, hollow.bosses, hollow.in_cavity)
+    return tuple(checked(void, "The cavity") for void in voids)
+
+
+def _refuse_leftovers(
+    solids: Sequence[Solid], tools: Iterable[Tool], was_material: Callable[[Array], NDArray[np.bool_]]
+) -> None:
+    """Refuse solids that still hold what a tool should have taken.
+
+    Where the rim of a tool touches a surface along its whole length, OCCT may leave it out and say nothing.
+    """
+    probes = [probe for _, probe in _probes(tools, was_material)]
+    left = np.any([is_inside(solid, probes) for solid in solids], axis=0)
+    if left.any():
+        x, y, z = probes[int(np.argmax(left))]
+        raise GeometryError(
+            f"OCCT left out the boss, hole or opening at ({x:.2f}, {y:.2f}, {z:.2f}) mm, as its rim just "
+            "touches a surface; move it a little."
+        )
+
+
+def _probes(
+    tools: Iterable[Tool], was_material: Callable[[Array], NDArray[np.bool_]]
+) -> list[tuple[Tool, Array]]:
+    """A point of the material inside each tool, shape (3,); tools that take none are left out."""
+    result = []
+    for tool in tools:
+        points = tool.inside_mm()
+        points = points[was_material(points)]
+        result += [(tool, point) for point in points[len(points) // 2 :][:1]]
+    return result
 
 
 @lru_cache(maxsize=4)
 def _core_mass(hollow: HollowBody) -> MassProperties:
-    return solid_mass(Compound(children=[Solid(_smooth_edges(void.wrapped)) for void in _core_voids(hollow)]))
-
-
-def _cylinder(cylinder: Cylinder) -> TopoDS_Shape:
-    axes = gp_Ax2(gp_Pnt(*cylinder.base_mm), gp_Dir(*cylinder.direction))
-    return BRepPrimAPI_MakeCylinder(axes, cylinder.radius_mm, cylinder.length_mm).Shape()
-
-
-def _boolean(
-    operation: BRepAlgoAPI_BooleanOperation | BRepAlgoAPI_Splitter,
-    arguments: Sequence[TopoDS_Shape],
-    tools: Iterable[TopoDS_Shape],
-) -> TopoDS_Shape:
-    """Run a boolean operation with all tools at once, which is faster and safer than one by one."""
-    operation.SetArguments(_shape_list(arguments))
-    operation.SetTools(_shape_list(tools))
-    operation.SetToFillHistory(False)
-    operation.Build()
-    if not operation.IsDone():
-        raise GeometryError(
-            "OCCT could not combine the parts; move bosses and holes that just touch each other."
-        )
-    return operation.Shape()
-
-
-def _shape_list(shapes: Iterable[TopoDS_Shape]) -> TopTools_ListOfShape:
-    result = TopTools_ListOfShape()
-    for shape in shapes:
-        result.Append(shape)
-    return result
-
-
-def _smooth_edges(shape: TopoDS_Shape) -> TopoDS_Shape:
-    """Divide intersection curves where their pieces meet with less than two continuous derivatives.
-
-    CAD programs integrate volumes with one Gauss rule along each edge. Across such joints it is off by up to
-    1000 ppm of a thin shell; along smooth edges it is exact to 0.01 ppm.
-    """
-    divide = ShapeUpgrade_ShapeDivideContinuity(shape)
-    divide.SetTolerance(_CONTINUITY_TOLERANCE_MM)
-    divide.SetBoundaryCriterion(GeomAbs_Shape.GeomAbs_C2)
-    divide.SetPCurveCriterion(GeomAbs_Shape.GeomAbs_C2)
-    divide.SetSurfaceCriterion(GeomAbs_Shape.GeomAbs_C2)
-    if not divide.Perform():
-        return shape
-    result = divide.Result()
-    BRepLib.SameParameter_s(result, _SAME_PARAMETER_TOLERANCE_MM, True)
-    return result
-
-
-def _single_solid(shape: TopoDS_Shape, what: str) -> Solid:
-    solids = Shape.cast(shape).solids()
-    if len(solids) != 1:
-        raise GeometryError(
-            f"{what} falls into {len(solids)} pieces; check the sizes and places of the holes."
-        )
-    return _checked(solids[0], what)
-
-
-def _checked(solid: Solid, what: str) -> Solid:
-    """Give back a plain solid that OCCT finds valid."""
-    if not BRepCheck_Analyzer(solid.wrapped).IsValid():
-        raise GeometryError(f"{what} is not a valid solid; move bosses and holes that just touch each other.")
-    return Solid(solid.wrapped)
+    voids = [Solid(smooth_edges(void.wrapped)) for void in _core_voids(hollow)]
+    if not voids:
+        return MassProperties.from_arrays(0.0, np.zeros(3), np.zeros((3, 3)))
+    return solid_mass(Compound(children=voids))

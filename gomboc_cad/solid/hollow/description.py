@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -13,6 +14,7 @@ from gomboc_cad.body import Body
 from gomboc_cad.body.sphere import Array
 from gomboc_cad.equilibria.records import Vector
 from gomboc_cad.errors import GeometryError
+from gomboc_cad.solid.hollow.tools import Tool
 from gomboc_cad.solid.offset import InsetSurface
 
 _ENCLOSED_SKIN_MM = 1e-3
@@ -21,96 +23,37 @@ _OVERRUN_SHARE = 1e-4
 
 
 @dataclass(frozen=True)
-class Cylinder:
-    """A right circular cylinder.
-
-    Attributes:
-        base_mm: Centre of the base.
-        axis: Direction from the base to the other end, of any length but zero.
-        radius_mm: Radius.
-        length_mm: Length along the axis.
-
-    Raises:
-        GeometryError: If a size is not a positive length or the axis has no direction.
-    """
-
-    base_mm: Vector
-    axis: Vector
-    radius_mm: float
-    length_mm: float
-
-    def __post_init__(self) -> None:
-        """Refuse sizes that make no cylinder."""
-        if not all(math.isfinite(size) and size > 0.0 for size in (self.radius_mm, self.length_mm)):
-            raise GeometryError(
-                f"A cylinder needs a positive radius and length in mm, not {self.radius_mm!r} and "
-                f"{self.length_mm!r}."
-            )
-        if not (np.all(np.isfinite([*self.base_mm, *self.axis])) and math.hypot(*self.axis) > 0.0):
-            raise GeometryError(
-                f"A cylinder needs a base and an axis, not {self.base_mm!r} and {self.axis!r}."
-            )
-
-    @property
-    def direction(self) -> Vector:
-        """Unit vector along the axis."""
-        length = math.hypot(*self.axis)
-        x, y, z = (component / length for component in self.axis)
-        return x, y, z
-
-    def moved(self, by_mm: Vector) -> Cylinder:
-        """Give the cylinder displaced rigidly."""
-        x, y, z = (a + b for a, b in zip(self.base_mm, by_mm, strict=True))
-        return replace(self, base_mm=(x, y, z))
-
-    def extended(self, before_mm: float, after_mm: float) -> Cylinder:
-        """Give the cylinder made longer at its base and at its other end."""
-        x, y, z = (a - before_mm * b for a, b in zip(self.base_mm, self.direction, strict=True))
-        return replace(self, base_mm=(x, y, z), length_mm=self.length_mm + before_mm + after_mm)
-
-    def contains(self, points_mm: Array) -> NDArray[np.bool_]:
-        """Whether points (n, 3) lie inside, shape (n,)."""
-        arm = points_mm - np.array(self.base_mm)
-        height = arm @ np.array(self.direction)
-        beside = np.linalg.norm(arm - height[:, None] * np.array(self.direction), axis=1) < self.radius_mm
-        inside: NDArray[np.bool_] = beside & (height > 0.0) & (height < self.length_mm)
-        return inside
-
-    def rims_mm(self, count: int = 64) -> Array:
-        """Points around both ends, shape (2·count, 3); the cylinder is their convex hull."""
-        direction = np.array(self.direction)
-        side, up = np.linalg.svd(direction[None])[2][1:]
-        angle = 2.0 * np.pi * np.arange(count) / count
-        circle = self.radius_mm * (np.cos(angle)[:, None] * side + np.sin(angle)[:, None] * up)
-        return np.concatenate([circle, circle + self.length_mm * direction]) + np.array(self.base_mm)
-
-
-@dataclass(frozen=True)
 class HollowBody:
-    """A body with a cavity of constant wall, bosses that stand in the cavity, and holes.
+    """A body with a cavity of constant wall, bosses that stand in the cavity, holes and openings.
 
     The cavity, the bosses and the holes form the core; it moves rigidly by `core_shift_mm`, which is how a
     product puts its centre of mass where it should be. Bosses and holes are stated before that move.
+    Openings belong to the outer surface and stay where they are.
 
     Attributes:
         body: The outer shape.
-        wall_mm: Wall thickness along the normal, before the shift.
+        wall_mm: Wall thickness along the normal, before the shift; None for a body without a cavity.
         core_shift_mm: Rigid displacement of the core; the thinnest wall is `wall_mm` less its length.
-        bosses: Cylinders of material in the cavity; what reaches into the wall does no harm.
-        holes: Cylinders taken away at the end, whether open to the cavity, enclosed or open to the outside.
+        bosses: Material in the cavity; what reaches into the wall does no harm.
+        holes: What is taken away and moves with the core, whether open to the cavity, enclosed or open to
+            the outside.
+        openings: What is taken away at the end and does not move.
 
     Raises:
         GeometryError: If the wall is too thick for the body or the shifted cavity breaks through it.
     """
 
     body: Body
-    wall_mm: float
+    wall_mm: float | None
     core_shift_mm: Vector = (0.0, 0.0, 0.0)
-    bosses: tuple[Cylinder, ...] = ()
-    holes: tuple[Cylinder, ...] = ()
+    bosses: tuple[Tool, ...] = ()
+    holes: tuple[Tool, ...] = ()
+    openings: tuple[Tool, ...] = ()
 
     def __post_init__(self) -> None:
         """Refuse walls that cannot be."""
+        if self.wall_mm is None:
+            return
         if not self.wall_mm > 0.0:
             raise GeometryError(f"The wall must be a positive thickness in mm, not {self.wall_mm!r}.")
         if self.thinnest_wall_mm <= 0.0:
@@ -123,8 +66,8 @@ class HollowBody:
 
     @property
     def thinnest_wall_mm(self) -> float:
-        """Wall left on the side to which the core moved."""
-        return self.wall_mm - math.hypot(*self.core_shift_mm)
+        """Wall left on the side to which the core moved; infinite without a cavity."""
+        return math.inf if self.wall_mm is None else self.wall_mm - math.hypot(*self.core_shift_mm)
 
     @property
     def outer(self) -> InsetSurface:
@@ -132,58 +75,101 @@ class HollowBody:
         return InsetSurface(self.body)
 
     @property
-    def inner(self) -> InsetSurface:
-        """The surface of the cavity, shifted, without bosses."""
-        return InsetSurface(self.body, self.wall_mm, self.core_shift_mm)
+    def inner(self) -> InsetSurface | None:
+        """The surface of the cavity, shifted, without bosses; None for a body without a cavity."""
+        return None if self.wall_mm is None else InsetSurface(self.body, self.wall_mm, self.core_shift_mm)
 
     @property
     def core(self) -> HollowBody:
         """The core before its shift: cavity, bosses, and the holes that stay inside before and after it."""
         holes = tuple(hole for hole in self._cuts if self._encloses(hole))
-        return replace(self, core_shift_mm=(0.0, 0.0, 0.0), holes=holes)
+        return replace(self, core_shift_mm=(0.0, 0.0, 0.0), holes=holes, openings=())
 
     @property
-    def open_holes(self) -> tuple[Cylinder, ...]:
-        """Holes that reach the outside, after the core's shift."""
-        return tuple(hole.moved(self.core_shift_mm) for hole in self._cuts if not self._encloses(hole))
+    def open_cuts(self) -> tuple[Tool, ...]:
+        """Holes that reach the outside, after the core's shift, and the openings."""
+        holes = (hole.moved(self.core_shift_mm) for hole in self._cuts if not self._encloses(hole))
+        return (*holes, *self._placed_openings)
 
     @property
-    def placed_bosses(self) -> tuple[Cylinder, ...]:
-        """Bosses after the core's shift."""
-        return tuple(boss.moved(self.core_shift_mm) for boss in self.bosses)
+    def placed_bosses(self) -> tuple[Tool, ...]:
+        """Bosses after the core's shift; none without a cavity."""
+        return () if self.wall_mm is None else _moved(self.bosses, self.core_shift_mm)
 
     @property
-    def placed_holes(self) -> tuple[Cylinder, ...]:
-        """Holes after the core's shift, run on into the void where their mouth is flush with it.
+    def placed_cuts(self) -> tuple[Tool, ...]:
+        """Holes after the core's shift, and the openings, run on into the void where they end flush with it.
 
         Rounding would leave a skin of no thickness over a mouth that ends in the plane of a boss's end.
         """
-        return tuple(hole.moved(self.core_shift_mm) for hole in self._cuts)
+        return (*_moved(self._cuts, self.core_shift_mm), *self._placed_openings)
+
+    def in_cavity(self, points_mm: Array) -> NDArray[np.bool_]:
+        """Whether points (n, 3) clearly lie in the cavity, bosses or not, and not in a hole."""
+        inside = np.zeros(len(points_mm), dtype=bool)
+        if self.inner is not None:
+            inside |= self.inner.signed_distance_mm(points_mm) < -self._clearance_mm
+        for hole in self.placed_cuts:
+            inside &= ~hole.within(points_mm, self._clearance_mm)
+        return inside
+
+    def in_wall(self, points_mm: Array) -> NDArray[np.bool_]:
+        """Whether points (n, 3) clearly lie between the outer surface and the cavity, holes or not."""
+        inside: NDArray[np.bool_] = self.outer.signed_distance_mm(points_mm) < -self._clearance_mm
+        if self.inner is not None:
+            inside &= self.inner.signed_distance_mm(points_mm) > self._clearance_mm
+        return inside
+
+    @property
+    def _clearance_mm(self) -> float:
+        """Distance from a surface at which the side of it is beyond doubt."""
+        return _OVERRUN_SHARE * self.body.diameter_mm
 
     @cached_property
-    def _cuts(self) -> tuple[Cylinder, ...]:
-        """The holes before the shift, run on where their mouth is flush with the void."""
-        nudge, overrun = _FLUSH_SHARE * self.body.diameter_mm, _OVERRUN_SHARE * self.body.diameter_mm
-        cuts = []
-        for hole in self.holes:
-            along = np.array([-nudge, nudge, hole.length_mm - nudge, hole.length_mm + nudge])
-            points = np.array(hole.base_mm) + along[:, None] * np.array(hole.direction)
-            under, base, top, over = self._void(points, hole)
-            cuts.append(hole.extended(overrun * (under and not base), overrun * (over and not top)))
-        return tuple(cuts)
+    def _cuts(self) -> tuple[Tool, ...]:
+        """The holes before the shift, run on where an end is flush with the void."""
+        unshifted = replace(self, core_shift_mm=(0.0, 0.0, 0.0), openings=())
+        return unshifted._run_on(self.holes, self.holes)
 
-    def _void(self, points_mm: Array, but_for: Cylinder) -> list[bool]:
-        """Whether points lie in the unshifted cavity beside the bosses, or in a hole other than one."""
-        inner = InsetSurface(self.body, self.wall_mm)
-        void = inner.signed_distance_mm(points_mm) < 0.0
-        for boss in self.bosses:
-            void &= ~boss.contains(points_mm)
-        for hole in self.holes:
-            if hole is not but_for:
-                void |= hole.contains(points_mm)
-        return void.tolist()
+    @cached_property
+    def _placed_openings(self) -> tuple[Tool, ...]:
+        """The openings, run on where an end is flush with the void."""
+        return self._run_on(self.openings, (*_moved(self.holes, self.core_shift_mm), *self.openings))
 
-    def _encloses(self, hole: Cylinder) -> bool:
+    def _run_on(self, tools: Sequence[Tool], cuts: Sequence[Tool]) -> tuple[Tool, ...]:
+        """Run tools on beyond those of their flat ends that have the void outside and not inside."""
+        ends = [tool.ends() for tool in tools]
+        counts = [len(points) for points, _ in ends]
+        if not sum(counts):
+            return tuple(tools)
+        points, normals = (np.concatenate(arrays) for arrays in zip(*ends, strict=True))
+        owners = np.repeat(np.arange(len(tools)), counts)
+        nudge = _FLUSH_SHARE * self.body.diameter_mm * normals
+        flush = self._in_void(points + nudge, owners, tools, cuts)
+        flush &= ~self._in_void(points - nudge, owners, tools, cuts)
+        by_mm = np.split(_OVERRUN_SHARE * self.body.diameter_mm * flush, np.cumsum(counts)[:-1])
+        return tuple(tool.run_on(by) if by.any() else tool for tool, by in zip(tools, by_mm, strict=True))
+
+    def _in_void(
+        self, points_mm: Array, owners: NDArray[np.int64], tools: Sequence[Tool], cuts: Sequence[Tool]
+    ) -> NDArray[np.bool_]:
+        """Whether points lie in the cavity beside the bosses, or in a cut but the tool that owns them."""
+        void = np.zeros(len(points_mm), dtype=bool)
+        if self.inner is not None:
+            void = self.inner.signed_distance_mm(points_mm) < 0.0
+            for boss in self.placed_bosses:
+                void &= ~boss.contains(points_mm)
+        for cut in cuts:
+            own = [cut is tool for tool in tools]
+            void |= cut.contains(points_mm) & ~np.array(own)[owners]
+        return void
+
+    def _encloses(self, hole: Tool) -> bool:
         """Whether a hole stays under the outer surface before and after the shift."""
-        rims = np.concatenate([hole.rims_mm(), hole.moved(self.core_shift_mm).rims_mm()])
-        return bool(np.all(self.outer.signed_distance_mm(rims) < -_ENCLOSED_SKIN_MM))
+        hull = hole.hull_mm()
+        points = np.concatenate([hull, hull + np.array(self.core_shift_mm)])
+        return bool(np.all(self.outer.signed_distance_mm(points) < -_ENCLOSED_SKIN_MM))
+
+
+def _moved(tools: Sequence[Tool], by_mm: Vector) -> tuple[Tool, ...]:
+    return tuple(tool.moved(by_mm) for tool in tools)

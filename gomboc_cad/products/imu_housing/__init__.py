@@ -1,0 +1,1 @@
+"""The IMU calibration housing."""

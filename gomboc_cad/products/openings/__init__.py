@@ -1,0 +1,1 @@
+"""What opens the outer surface: where it may be, and what it does."""

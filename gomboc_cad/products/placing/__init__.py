@@ -1,0 +1,1 @@
+"""Bringing the centre of mass of an assembly to its target."""

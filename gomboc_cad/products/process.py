@@ -1,0 +1,100 @@
+"""Manufacturing processes as data: what each can make."""
+
+from __future__ import annotations
+
+import difflib
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from gomboc_cad.errors import SpecError
+from gomboc_cad.products.common_spec import ShellSpec
+from gomboc_cad.products.toml_model import Number, Text, TomlModel, parse_model, read_toml
+from gomboc_cad.resources import template_folder
+
+Kind = Literal["printed", "machined", "moulded"]
+Length = Annotated[Number, Field(gt=0.0, le=10_000.0)]
+Source = Annotated[str, Field(strict=True, min_length=1, max_length=800)]
+
+
+class Process(TomlModel):
+    """A way of making parts.
+
+    Attributes:
+        name: Full name.
+        kind: `printed`, `machined` or `moulded`.
+        min_wall_mm: The thinnest wall that it makes reliably, where the wall hangs together with others on
+            two sides or more, as that of a shell does.
+        min_wall_source: Where that comes from.
+        undercuts_matter: Whether a surface that two opposite sides do not reach costs slides, another
+            clamping, or cannot be made at all.
+        typical_size_mm: Largest part on a common machine, along three edges; None where machines differ too
+            much to say.
+        typical_size_source: Where that comes from.
+    """
+
+    name: Text
+    kind: Kind
+    min_wall_mm: Annotated[Number, Field(gt=0.0, le=50.0)]
+    min_wall_source: Source
+    undercuts_matter: bool
+    typical_size_mm: tuple[Length, Length, Length] | None = None
+    typical_size_source: Source | None = None
+
+    @model_validator(mode="after")
+    def _sourced(self) -> Process:
+        if (self.typical_size_mm is None) != (self.typical_size_source is None):
+            raise ValueError("typical_size_mm and typical_size_source go together")
+        return self
+
+
+def process_names() -> tuple[str, ...]:
+    """Names of the processes that come with the package."""
+    return tuple(sorted(file.stem for file in _template_processes().glob("*.toml")))
+
+
+def load_process(name: str, beside: Path | None = None) -> Process:
+    """Read a process by the name of a template or by the path of a user's own file.
+
+    Args:
+        name: `fdm`, or a path that ends in `.toml`.
+        beside: Folder that a relative path starts from, usually that of the spec.
+
+    Raises:
+        SpecError: If there is no such process or its file is wrong.
+    """
+    if name.endswith(".toml"):
+        path = (beside or Path()) / name
+    else:
+        known = process_names()
+        if name not in known:
+            near = difflib.get_close_matches(name, known, n=1)
+            hint = f"did you mean {near[0]}?" if near else f"choose one of {', '.join(known)},"
+            raise SpecError(f"There is no process {name!r}; {hint} or give a .toml file.")
+        path = _template_processes() / f"{name}.toml"
+    return parse_model(Process, read_toml(path), path.name)
+
+
+def least_wall_mm(shell: ShellSpec, beside: Path | None = None) -> float:
+    """The least wall that may be left of a shell: what its spec says, or else the minimum of its process.
+
+    Args:
+        shell: The shell.
+        beside: Folder that the path of a user's own process starts from, usually that of the spec.
+
+    Raises:
+        SpecError: If the process is unknown, or makes no wall as thin as the spec asks for.
+    """
+    process = load_process(shell.process, beside)
+    for key, wall_mm in (("wall_mm", shell.wall_mm), ("min_wall_mm", shell.min_wall_mm)):
+        if wall_mm is not None and wall_mm < process.min_wall_mm:
+            raise SpecError(
+                f"shell.{key} = {wall_mm:g} is thinner than the {process.min_wall_mm:g} mm that the process "
+                f"{process.name} makes reliably; make it thicker or choose another shell.process."
+            )
+    return process.min_wall_mm if shell.min_wall_mm is None else shell.min_wall_mm
+
+
+def _template_processes() -> Path:
+    return template_folder() / "processes"

@@ -1,0 +1,1 @@
+"""The aerial seed pod."""

@@ -1,0 +1,142 @@
+"""The seed pod and the buoy as a user builds them, opened by programs that share nothing with us."""
+
+from __future__ import annotations
+
+import csv
+import json
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from gomboc_cad.products.build import build_product
+from gomboc_cad.resources import template_folder
+from tests.acceptance.test_housing import READ_STEP
+from tests.external import PrusaSlicer
+
+pytestmark = pytest.mark.slow
+
+COARSER = {
+    "seed-pod": ("copies = 12", "copies = 3"),
+    "buoy": ("sag_um = 50.0", "sag_um = 200.0"),
+}
+"""What is changed in the templates: more pods to slice, a mesh that is quicker to look at."""
+
+
+SMALL_HOUSING = """
+product = "imu-housing"
+[body]
+name = "primary"
+diameter_mm = 60.0
+[board]
+type = "{board}"
+{more}
+[mesh]
+sag_um = 100.0
+"""
+
+
+@dataclass(frozen=True)
+class Built:
+    """A product on disk."""
+
+    name: str
+    folder: Path
+    document: dict[str, Any]
+
+
+@pytest.fixture(scope="module", params=["seed-pod", "buoy"])
+def built(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Built:
+    folder = tmp_path_factory.mktemp(request.param)
+    old, new = COARSER[request.param]
+    text = (template_folder() / f"{request.param}.toml").read_text(encoding="utf-8")
+    assert old in text
+    spec = folder / "mine.toml"
+    spec.write_text(text.replace(old, new), encoding="utf-8")
+    document = build_product(str(spec), folder / "out")
+    return Built(request.param, folder / "out", document)
+
+
+def test_it_passes_with_every_file_in_order(built: Built) -> None:
+    document = built.document
+    assert document["verdict"] == "PASS", document["reasons"]
+    assert document["hull"]["verdict"] == "monostable"
+    assert document["assembly"]["com_residual_um"] <= 1.0
+    assert all(file["ok"] for file in document["files"])
+    there = {path.name for path in built.folder.iterdir()}
+    assert {file["path"] for file in document["files"]} | {"verdict.json"} == there
+    made = [part["name"] for part in document["parts"] if part["made"]]
+    assert {f"{name}.{kind}" for name in made for kind in ("step", "stl", "3mf")} <= there
+    on_disk = json.loads((built.folder / "verdict.json").read_text(encoding="utf-8"))
+    assert on_disk == {key: value for key, value in document.items() if key != "folder"}
+
+
+def test_the_bill_of_materials_weighs_as_much_as_the_assembly(built: Built) -> None:
+    with (built.folder / "bill-of-materials.csv").open(encoding="utf-8", newline="") as stream:
+        lines = list(csv.DictReader(stream))
+    assert {"part", "material", "quantity", "standard", "mass_g"} <= set(lines[0])
+    total = sum(float(line["mass_g"]) for line in lines)
+    assert total == pytest.approx(built.document["assembly"]["mass_g"], abs=1e-3 * len(lines))
+    assert sum(int(line["quantity"]) for line in lines) == len(built.document["parts"])
+
+
+def test_freecad_opens_the_assembly(built: Built, run_in_freecad: Callable[..., dict[str, Any]]) -> None:
+    found = run_in_freecad(READ_STEP, path=str(built.folder / f"{built.name}.step"))
+    volumes = sorted(part["volume_mm3"] for part in built.document["parts"])
+    assert found["valid"]
+    assert sorted(found["volumes"]) == pytest.approx(volumes, rel=50e-6)
+
+
+def test_prusa_slicer_finds_the_made_parts_and_the_plate_manifold(
+    built: Built, prusa_slicer: PrusaSlicer
+) -> None:
+    made = [part["name"] for part in built.document["parts"] if part["made"]]
+    for file in (*(f"{name}.stl" for name in made), f"{built.name}-plate.3mf"):
+        info = prusa_slicer.info(built.folder / file)
+        assert info["manifold"] is True, file
+        assert "open_edges" not in info
+
+
+def test_the_two_verdicts_of_a_buoy_stand_side_by_side(built: Built) -> None:
+    if built.name != "buoy":
+        assert "floating" not in built.document
+        assert not (built.folder / "hydrostatics.json").exists()
+        return
+    afloat = json.loads((built.folder / "hydrostatics.json").read_text(encoding="utf-8"))
+    displaced_g = afloat["upright"]["displaced_volume_mm3"] * 1e-3 * afloat["water"]["density_g_cm3"]
+    assert displaced_g == pytest.approx(built.document["assembly"]["mass_g"], rel=1e-6)
+    assert built.document["floating"]["stable"] == afloat["floating"]["stable"] == 1
+
+
+def test_a_forced_port_fails_on_the_real_hull(tmp_path: Path) -> None:
+    """Near the top, the unstable point, any open hole is a second rest; the verdict names it."""
+    spec = tmp_path / "forced.toml"
+    port = '[cable]\nthread = "M6x1"\ndirection = [1.0, 0.0, 0.1]'
+    spec.write_text(SMALL_HOUSING.format(board="adafruit-bno055", more=port), encoding="utf-8")
+    document = build_product(str(spec), tmp_path / "out")
+    assert document["verdict"] == "FAIL"
+    assert document["hull"]["verdict"] == "multistable"
+    assert document["hull"]["stable"] == 2
+    assert document["stable"] == 1
+    assert any("also rests on the rim of" in reason and "cable" in reason for reason in document["reasons"])
+
+
+def test_a_changed_board_gives_the_same_bytes_as_from_scratch(tmp_path: Path) -> None:
+    """What one build keeps for the next is never used wrongly."""
+    specs = {}
+    for board in ("adafruit-bno055", "adafruit-mpu6050"):
+        specs[board] = tmp_path / f"{board}.toml"
+        specs[board].write_text(SMALL_HOUSING.format(board=board, more=""), encoding="utf-8")
+        build_product(str(specs[board]), tmp_path / board)
+    command = [sys.executable, "-m", "gomboc_cad", "build", str(specs["adafruit-mpu6050"]), "-q"]
+    subprocess.run([*command, "-o", str(tmp_path / "alone")], check=True, timeout=300)
+
+    def bytes_of(folder: str) -> dict[str, bytes]:
+        return {path.name: path.read_bytes() for path in (tmp_path / folder).iterdir()}
+
+    assert bytes_of("alone") == bytes_of("adafruit-mpu6050")
+    assert bytes_of("alone")["imu-housing.step"] != bytes_of("adafruit-bno055")["imu-housing.step"]
