@@ -95,10 +95,12 @@ class ExactParameters:
         These are the decimals that were typed, if they had 15 digits at most.
         """
         shape = body.shape
-        if not isinstance(shape, FourierSloan):
-            return cls(shape.family, None, MappingProxyType({}))
-        coefficients = MappingProxyType({str(k): repr(a) for k, a in shape.terms})
-        return cls(shape.family, repr(shape.beta), coefficients)
+        beta, coefficients = None, {}
+        if isinstance(shape, FourierSloan):
+            beta, coefficients = repr(shape.beta), {str(k): repr(a) for k, a in shape.terms}
+        elif isinstance(shape, Harmonic):
+            coefficients = {f"{degree},{order}": repr(c) for (degree, order), c in shape.terms}
+        return cls(shape.family, beta, MappingProxyType(coefficients))
 
 
 @lru_cache(maxsize=1)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from gomboc_cad.body import FourierSloan, Harmonic, catalog, catalogue_entries, make_body
+from gomboc_cad.body import FourierSloan, Harmonic, catalog, catalogue_entries, make_body, mass_properties
 from gomboc_cad.body import catalogue as catalogue_module
 from gomboc_cad.body.catalogue import (
     CatalogueEntry,
@@ -22,7 +22,15 @@ from gomboc_cad.body.catalogue import (
 from gomboc_cad.equilibria import convexity, smooth_census
 from gomboc_cad.errors import BodyError
 
-PROVEN = ["primary", "sloan2-0.020", "sloan2-0.030", "sloan2-0.035", "second-convex", "third-convex"]
+PROVEN = [
+    "primary",
+    "sloan2-0.020",
+    "sloan2-0.030",
+    "sloan2-0.035",
+    "second-convex",
+    "third-convex",
+    "tolerant-1",
+]
 REFUTED = ["second", "third"]
 
 
@@ -42,6 +50,17 @@ def test_the_primary_carries_the_full_precision_coefficients() -> None:
     assert entry.beta == 0.023149
     assert entry.coefficients == {"1": 0.234433}
     assert entry.body.shape == FourierSloan(0.023149, ((1, 0.234433),))
+
+
+def test_the_most_tolerant_body_has_more_than_twice_the_margin_of_the_primary() -> None:
+    entries = catalogue_entries()
+    tolerant, primary = entries["tolerant-1"], entries["primary"]
+    assert tolerant.beta is None
+    assert isinstance(tolerant.body.shape, Harmonic)
+    assert mass_properties(tolerant.body).com_mm == pytest.approx((0.0, 0.0, 0.0), abs=1e-13)
+    assert tolerant.evidence.margin is not None
+    assert primary.evidence.margin is not None
+    assert tolerant.evidence.margin > 2.0 * primary.evidence.margin
 
 
 @pytest.fixture

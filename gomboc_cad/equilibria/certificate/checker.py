@@ -3,7 +3,8 @@
 Nothing of the file is believed: the centroid and the volume are enclosed anew from the decimals, each
 cell's claim is proven again by ball arithmetic, and the cells are shown to cover what they have to. How the
 cells were found plays no part; the code that found them is not used. To be convinced one has to read
-this module and `enclosures.py`, where the mathematics is. Why the parts make a proof:
+this module and those with the mathematics: `enclosures.py` for all bodies, `sloan.py`, or `harmonic.py` with
+`meridian.py` and `affine.py`, for a family. Why the parts make a proof:
 
 * A closed surface whose principal curvatures are positive everywhere bounds a strictly convex body
   (Hadamard). Its stable (unstable) poses on a table are then the minima (maxima) of the distance from the
@@ -16,10 +17,9 @@ this module and `enclosures.py`, where the mathematics is. Why the parts make a 
   of mass is a centre of curvature. If none of these is nearer to the certified one than the margin, the
   counts are the same for every centre of mass within it.
 * A point of negative Gaussian curvature is no point of a convex surface.
-* Both directions of the x-axis are critical points for every body of the family about a centre of mass on
-  that axis: half a turn about the axis maps the body to itself, and a tangent vector that it leaves alone is
-  zero. Where one of them is a saddle there are three critical points or more, as the minimum and the
-  maximum lie elsewhere.
+* Where half a turn about the x-axis maps the body to itself, both directions of that axis are critical points
+  about a centre of mass on it: a tangent vector that the half-turn leaves alone is zero. Where one of them is
+  a saddle there are three critical points or more, as the minimum and the maximum lie elsewhere.
 """
 
 from __future__ import annotations
@@ -27,17 +27,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from flint import arb, ctx
 
-from gomboc_cad.equilibria.certificate.enclosures import (
-    PRECISION_BITS,
-    BallGeometry,
-    Form,
-    decimal_ball,
-)
+from gomboc_cad.equilibria.certificate.decimals import decimal_ball
+from gomboc_cad.equilibria.certificate.enclosures import PRECISION_BITS, BallGeometry, Form
+from gomboc_cad.equilibria.certificate.geometry import ball_geometry
 from gomboc_cad.equilibria.certificate.records import (
     SPHERE,
     TURN_UNITS,
@@ -82,7 +79,7 @@ def verify(certificate: Certificate, progress: Progress = silent) -> Verificatio
     try:
         with ctx.workprec(PRECISION_BITS):
             progress("enclosing the centroid")
-            geometry = BallGeometry.of(certificate.parameters, certificate.com)
+            geometry = ball_geometry(certificate.parameters, certificate.com, certificate.chart)
             _check_enclosures(geometry, certificate)
             progress("proving strict convexity")
             if certificate.convexity:
@@ -100,15 +97,9 @@ def verify(certificate: Certificate, progress: Progress = silent) -> Verificatio
     return Verification(True, certificate.reason)
 
 
-def _check_enclosures(geometry: BallGeometry, certificate: Certificate) -> None:
-    x, y, z = certificate.com_enclosure
-    true_values = (
-        (x, geometry.centroid_x),
-        (y, arb(0)),
-        (z, arb(0)),
-        (certificate.volume_enclosure, geometry.volume),
-    )
-    for interval, value in true_values:
+def _check_enclosures(geometry: BallGeometry[Any], certificate: Certificate) -> None:
+    claimed = (*certificate.com_enclosure, certificate.volume_enclosure)
+    for interval, value in zip(claimed, (*geometry.centroid, geometry.volume), strict=True):
         low, high = (decimal_ball(end) for end in interval)
         _require(bool(low <= value <= high), "the centroid or the volume is not where it is said to be")
         # A body can be refuted without knowing well where its centroid is.
@@ -116,13 +107,13 @@ def _check_enclosures(geometry: BallGeometry, certificate: Certificate) -> None:
         _require(bool(narrow) or not certificate.equilibria, "an enclosure is too wide to say anything")
 
 
-def _check_convexity(geometry: BallGeometry, proof: ConvexityProof) -> None:
+def _check_convexity(geometry: BallGeometry[Any], proof: ConvexityProof) -> None:
     bound = _not_negative(proof.curvature_above)
     _require_cover(proof.cells, SPHERE)
     _require_all(proof.cells, lambda cell: geometry.curvature_excess(cell, bound).is_positive(), "curvature")
 
 
-def _check_equilibria(geometry: BallGeometry, proof: EquilibriaProof) -> None:
+def _check_equilibria(geometry: BallGeometry[Any], proof: EquilibriaProof) -> None:
     _require_inside(geometry, arb(0))
     _check_disc(geometry, proof.stable, Form.is_positive)
     _check_disc(geometry, proof.unstable, Form.is_negative)
@@ -139,36 +130,37 @@ def _check_equilibria(geometry: BallGeometry, proof: EquilibriaProof) -> None:
     _require_all(proof.cells, holds, "equilibria")
 
 
-def _check_disc(geometry: BallGeometry, disc: Disc, definite: Callable[[Form], bool]) -> None:
+def _check_disc(geometry: BallGeometry[Any], disc: Disc, definite: Callable[[Form[Any]], bool]) -> None:
     away = disc.rectangle.theta_low > 0 and disc.rectangle.theta_high < TURN_UNITS
     _require(away and SPHERE.holds(disc.rectangle), "a disc reaches a pole or leaves the chart")
     _require_cover(disc.cells, disc.rectangle)
     _require_all(disc.cells, lambda cell: definite(geometry.distance_hessian(cell)), "a disc")
 
 
-def _check_margin(geometry: BallGeometry, proof: MarginProof) -> None:
+def _check_margin(geometry: BallGeometry[Any], proof: MarginProof) -> None:
     distance = _not_negative(proof.com_margin)
     _require_inside(geometry, distance)
     _require_cover(proof.cells, SPHERE)
     _require_all(proof.cells, lambda cell: geometry.keeps_focal_distance(cell, distance), "the margin")
 
 
-def _require_inside(geometry: BallGeometry, shift: arb) -> None:
+def _require_inside(geometry: BallGeometry[Any], shift: arb) -> None:
     _require(geometry.holds_ball(shift), "the centre of mass is not certainly inside the body")
 
 
-def _check_witness(geometry: BallGeometry, witness: Witness) -> None:
+def _check_witness(geometry: BallGeometry[Any], witness: Witness) -> None:
     point = Cell.at(witness.theta, witness.psi)
     _require(SPHERE.holds(point), "the witness is no direction")
     if witness.kind == "saddle":
         on_axis = witness.theta == TURN_UNITS // 2 and witness.psi in (0, TURN_UNITS)
         is_saddle = geometry.distance_hessian(point).determinant < 0
         _require_inside(geometry, arb(0))
-        _require(geometry.com_on_axis and on_axis, "the witness is not bound to be an equilibrium")
+        bound_to_be_one = geometry.axis_is_symmetry and geometry.com_on_axis and on_axis
+        _require(bound_to_be_one, "the witness is not bound to be an equilibrium")
         _require(bool(is_saddle), "the witness is no saddle")
     else:
         bound = decimal_ball(witness.gaussian_curvature_below)
-        curvature = geometry.gaussian_curvature(point)
+        curvature = geometry.gaussian_curvature(point).upper()
         _require(bool(bound < 0 and curvature <= bound), "the witness has no such negative curvature")
 
 

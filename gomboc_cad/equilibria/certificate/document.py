@@ -74,8 +74,8 @@ def loads(data: bytes | str) -> Certificate:
         )
     except (ValueError, RecursionError):
         _refuse("it is not JSON as certificates have it")
-    given_com = isinstance(document, dict) and "com" in document
-    document = _record(document, "the file", {**dict(_KEYS), **({"com": list} if given_com else {})})
+    given = [key for key in _OPTIONAL if isinstance(document, dict) and key in document]
+    document = _record(document, "the file", {**dict(_KEYS), **dict.fromkeys(given, list)})
     if document["format"] != FORMAT or document["version"] != VERSION:
         _refuse(f"its format is not {FORMAT!r} version {VERSION}")
     if document.pop("sha256") != _digest(document):
@@ -86,7 +86,8 @@ def loads(data: bytes | str) -> Certificate:
         ),
         com_enclosure=_three([_interval(axis) for axis in document["com_enclosure"]]),
         volume_enclosure=_interval(document["volume_enclosure"]),
-        com=_decimals(document["com"]) if given_com else None,
+        com=_point(document["com"]) if "com" in given else None,
+        chart=_decimals(document["chart"]) if "chart" in given else (),
         convexity=_convexity(document["convexity"]),
         equilibria=_equilibria(document["equilibria"]),
         margin=_margin(document["margin"]),
@@ -120,6 +121,7 @@ def _document(certificate: Certificate) -> dict[str, Any]:
         "com_enclosure": [list(axis) for axis in certificate.com_enclosure],
         "volume_enclosure": list(certificate.volume_enclosure),
         **({} if certificate.com is None else {"com": list(certificate.com)}),
+        **({"chart": list(certificate.chart)} if certificate.chart else {}),
         "witness": witness and _without_none(vars(witness)),
         "convexity": convexity
         and {"curvature_above": convexity.curvature_above, "cells": _lines(convexity.cells)},
@@ -161,7 +163,7 @@ _KEYS: tuple[tuple[str, type | tuple[type, ...]], ...] = (
     ("version", int),
     ("units", str),
     ("family", str),
-    ("beta", str),
+    ("beta", (str, type(None))),
     ("coefficients", dict),
     ("status", str),
     ("strictly_convex", (bool, type(None))),
@@ -175,6 +177,7 @@ _KEYS: tuple[tuple[str, type | tuple[type, ...]], ...] = (
     ("margin", (dict, type(None))),
     ("sha256", str),
 )
+_OPTIONAL = ("com", "chart")
 
 
 def _refuse(reason: str) -> NoReturn:
@@ -216,10 +219,14 @@ def _interval(value: Any) -> Interval:
     return low, high
 
 
-def _decimals(value: list[Any]) -> Decimals:
-    if len(value) != 3:
+def _decimals(values: list[Any]) -> tuple[str, ...]:
+    return tuple(_texts({str(place): text for place, text in enumerate(values)}).values())
+
+
+def _point(values: list[Any]) -> Decimals:
+    if len(values) != 3:
         _refuse("com must have three decimals in quotes")
-    x, y, z = _texts(dict(zip("xyz", value, strict=True))).values()
+    x, y, z = _decimals(values)
     return x, y, z
 
 

@@ -24,17 +24,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from decimal import Decimal
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from flint import arb, ctx
 
 from gomboc_cad.body.catalogue import ExactParameters
-from gomboc_cad.equilibria.certificate.enclosures import (
-    PRECISION_BITS,
-    BallGeometry,
-    decimal_ball,
-    decimal_interval,
-)
+from gomboc_cad.equilibria.certificate.decimals import decimal_ball, decimal_interval
+from gomboc_cad.equilibria.certificate.enclosures import PRECISION_BITS, BallGeometry
+from gomboc_cad.equilibria.certificate.geometry import ball_geometry
 from gomboc_cad.equilibria.certificate.records import (
     MAX_CELLS,
     SPHERE,
@@ -48,12 +45,16 @@ from gomboc_cad.equilibria.certificate.records import (
     MarginProof,
     Witness,
 )
+from gomboc_cad.equilibria.certificate.straightening import straightening_chart
 from gomboc_cad.progress import Progress, silent
 
 STAGES = 4
 """How many stages `certify` reports."""
 
 _CELLS_FOR_A_BETTER_BOUND = 3_000
+_CELLS_FOR_A_HARMONIC = 9_000
+"""The same where a search has made the margin nearly equal all along valley and ridge."""
+
 _FINEST_LEFT = TURN_UNITS // 2**8
 _BOUNDS = tuple(format(Decimal(m).scaleb(k), "f") for k in (-6, -5, -4, -3, -2) for m in range(10, 100))
 _GRID = 64
@@ -74,26 +75,32 @@ def certify(
         com: Decimals of the centre of mass in units of R₀; the homogeneous centroid if not given.
 
     Raises:
-        BodyError: If the parameters are not those of a `sloan2` or `extended` body with 0 < β < 0.25, or the
-            centre of mass is not three decimals.
+        BodyError: If the parameters are not those of a `sloan2` or `extended` body with 0 < β < 0.25, or of a
+            `harmonic` body with 4 |f| < 1, or the centre of mass is not three decimals.
     """
     with ctx.workprec(PRECISION_BITS):
-        geometry = BallGeometry.of(parameters, com)
+        chart = straightening_chart(parameters)
+        geometry = ball_geometry(parameters, com, chart)
+        few = _CELLS_FOR_A_HARMONIC if parameters.family == "harmonic" else _CELLS_FOR_A_BETTER_BOUND
         progress("proving strict convexity")
-        convexity = _best(lambda bound, limit: _prove_convexity(geometry, bound, limit))
+        convexity = _best(lambda bound, limit: _prove_convexity(geometry, bound, limit), few)
         progress("separating the equilibria")
         equilibria = _prove_equilibria(geometry) if convexity else None
         progress("proving the margin")
-        margin = _best(lambda bound, limit: _prove_margin(geometry, bound, limit)) if equilibria else None
+        margin = None
+        if equilibria:
+            margin = _best(lambda bound, limit: _prove_margin(geometry, bound, limit), few)
         if margin and margin.com_margin == "0":
             margin = None
         progress("looking for a reason against it")
         witness = None if equilibria else _saddle(geometry) if convexity else _dent(geometry)
+        x, y, z = geometry.centroid
         return Certificate(
             parameters=parameters,
-            com_enclosure=(decimal_interval(geometry.centroid_x), ("0", "0"), ("0", "0")),
+            com_enclosure=(_interval(x), _interval(y), _interval(z)),
             volume_enclosure=decimal_interval(geometry.volume),
             com=com,
+            chart=chart,
             convexity=convexity,
             equilibria=equilibria,
             margin=margin,
@@ -101,13 +108,17 @@ def certify(
         )
 
 
-def _best(prove: Callable[[str, int], Proof | None]) -> Proof | None:
+def _interval(ball: arb) -> tuple[str, str]:
+    return ("0", "0") if ball == 0 else decimal_interval(ball)
+
+
+def _best(prove: Callable[[str, int], Proof | None], few: int) -> Proof | None:
     """The proof with the largest bound of two digits that few cells can prove, else that with the bound 0."""
     best = prove("0", MAX_CELLS)
     low, high = 0, len(_BOUNDS) if best else 0
     while low < high:
         middle = (low + high) // 2
-        better = prove(_BOUNDS[middle], _CELLS_FOR_A_BETTER_BOUND)
+        better = prove(_BOUNDS[middle], few)
         if better:
             best, low = better, middle + 1
         else:
@@ -115,13 +126,13 @@ def _best(prove: Callable[[str, int], Proof | None]) -> Proof | None:
     return best
 
 
-def _prove_convexity(geometry: BallGeometry, bound: str, limit: int) -> ConvexityProof | None:
+def _prove_convexity(geometry: BallGeometry[Any], bound: str, limit: int) -> ConvexityProof | None:
     ball = decimal_ball(bound)
     cells = _cover(SPHERE, lambda cell: geometry.curvature_excess(cell, ball).is_positive(), limit)
     return ConvexityProof(bound, cells) if cells else None
 
 
-def _prove_margin(geometry: BallGeometry, com_margin: str, limit: int) -> MarginProof | None:
+def _prove_margin(geometry: BallGeometry[Any], com_margin: str, limit: int) -> MarginProof | None:
     distance = decimal_ball(com_margin)
     if not geometry.holds_ball(distance):
         return None
@@ -129,12 +140,14 @@ def _prove_margin(geometry: BallGeometry, com_margin: str, limit: int) -> Margin
     return MarginProof(com_margin, cells) if cells else None
 
 
-def _prove_equilibria(geometry: BallGeometry) -> EquilibriaProof | None:
+def _prove_equilibria(geometry: BallGeometry[Any]) -> EquilibriaProof | None:
     if not geometry.holds_ball(arb(0)):
         return None
-    cells, left = _subdivide(SPHERE, lambda cell: _sign_of_pull(geometry, cell), MAX_CELLS, _FINEST_LEFT)
-    # f is least at ψ = π and greatest at ψ = 0, so the stable pose lies about the one, the unstable
-    # about the other.
+    cells, left = _subdivide(
+        SPHERE, lambda cell: _sign_of_pull(geometry, cell), MAX_CELLS, leave=MAX_CELLS, finest=_FINEST_LEFT
+    )
+    # The charts have the least f about ψ = π and the greatest about ψ = 0, so the stable pose lies about the
+    # one, the unstable about the other.
     half = TURN_UNITS // 2
     groups = {"s": [c for c in left if c.psi_low >= half], "u": [c for c in left if c.psi_high <= half]}
     if not all(groups.values()):
@@ -148,7 +161,7 @@ def _prove_equilibria(geometry: BallGeometry) -> EquilibriaProof | None:
     return EquilibriaProof(tuple(sorted(cells)), Disc(stable, stable_cells), Disc(unstable, unstable_cells))
 
 
-def _sign_of_pull(geometry: BallGeometry, cell: Cell) -> str:
+def _sign_of_pull(geometry: BallGeometry[Any], cell: Cell) -> str:
     """A component of the gradient that keeps its sign in the cell, as the letter of its claim."""
     for pull, positive, negative in zip(geometry.pulls(cell), "EM", "em", strict=True):
         if pull > 0:
@@ -165,23 +178,24 @@ def _bounding(cells: list[Cell]) -> Cell:
 
 def _cover(root: Cell, holds: Callable[[Cell], bool], limit: int) -> tuple[Cell, ...]:
     """Cells that cover a rectangle, in each of which the claim holds; none if they would be too many."""
-    claimed, left = _subdivide(root, lambda cell: "+" if holds(cell) else "", limit)
+    claimed, left = _subdivide(root, lambda cell: "+" if holds(cell) else "", limit, leave=0)
     return () if left else tuple(sorted(cell for cell, _ in claimed))
 
 
 def _subdivide(
-    root: Cell, claim: Callable[[Cell], str], limit: int, finest: int = 1
+    root: Cell, claim: Callable[[Cell], str], limit: int, *, leave: int, finest: int = 1
 ) -> tuple[list[tuple[Cell, str]], list[Cell]]:
     """Halve a rectangle, always across its longer side, until each cell has a claim.
 
+    It ends early if the limit of cells is met or more than `leave` cells of the finest size have no claim.
+
     Returns:
-        Cells with their claims, and those of the finest size without one; those are not all of them where
-        the limit of cells was met.
+        Cells with their claims, and the others.
     """
     claimed: list[tuple[Cell, str]] = []
     left: list[Cell] = []
     waiting = [root]
-    while waiting and len(claimed) + len(left) + len(waiting) <= limit:
+    while waiting and len(claimed) + len(left) + len(waiting) <= limit and len(left) <= leave:
         cell = waiting.pop()
         if letter := claim(cell):
             claimed.append((cell, letter))
@@ -203,7 +217,7 @@ def _halves(cell: Cell, finest: int) -> tuple[Cell, Cell] | None:
     return cell._replace(psi_high=middle), cell._replace(psi_low=middle)
 
 
-def _dent(geometry: BallGeometry) -> Witness | None:
+def _dent(geometry: BallGeometry[Any]) -> Witness | None:
     """The most negative Gaussian curvature on a grid, if it is certainly negative."""
     step = TURN_UNITS // _GRID
     points = [(i * step, j * step) for i in range(_GRID + 1) for j in range(-_GRID // 2, 3 * _GRID // 2)]
@@ -216,9 +230,9 @@ def _dent(geometry: BallGeometry) -> Witness | None:
     return Witness("negative curvature", theta, psi, decimal_interval(curvature)[1])
 
 
-def _saddle(geometry: BallGeometry) -> Witness | None:
+def _saddle(geometry: BallGeometry[Any]) -> Witness | None:
     """A saddle on the x-axis, where the half-turn symmetry makes both directions equilibria."""
-    if not (geometry.com_on_axis and geometry.holds_ball(arb(0))):
+    if not (geometry.axis_is_symmetry and geometry.com_on_axis and geometry.holds_ball(arb(0))):
         return None
     for psi in (0, TURN_UNITS):
         if geometry.distance_hessian(Cell.at(TURN_UNITS // 2, psi)).determinant < 0:

@@ -124,6 +124,7 @@ class Certificate:
         com_enclosure: An interval for each coordinate of the centroid.
         volume_enclosure: An interval for the volume.
         com: Decimals of the centre of mass that equilibria and margin are about; None for the centroid.
+        chart: Decimals of the polynomial P(z) of the chart φ = ψ + P, for a family that has none of its own.
         convexity: Proof of strict convexity, if there is one.
         equilibria: Proof of one stable and one unstable equilibrium, if there is one.
         margin: Proof of how far the centre of mass may move, if there is one.
@@ -134,6 +135,7 @@ class Certificate:
     com_enclosure: tuple[Interval, Interval, Interval]
     volume_enclosure: Interval
     com: Decimals | None = None
+    chart: tuple[str, ...] = ()
     convexity: ConvexityProof | None = None
     equilibria: EquilibriaProof | None = None
     margin: MarginProof | None = None

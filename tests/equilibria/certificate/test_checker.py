@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gomboc_cad.equilibria.certificate import Certificate, certify, dumps, loads, verify
-from gomboc_cad.equilibria.certificate.enclosures import BallGeometry
+from gomboc_cad.equilibria.certificate.geometry import ball_geometry
 from gomboc_cad.equilibria.certificate.records import SPHERE, TURN_UNITS, Cell
 from gomboc_cad.errors import InspectionError
 from tests.equilibria.certificate.tampering import Document, verify_changed
@@ -181,7 +181,7 @@ def test_a_saddle_off_the_axis_shows_nothing(primary_certificate: Certificate) -
         document.update(status="refuted", stable=None, unstable=None)
 
     with ctx.workprec(64):
-        geometry = BallGeometry.of(primary_certificate.parameters)
+        geometry = ball_geometry(primary_certificate.parameters)
         assert geometry.distance_hessian(Cell.at(TURN_UNITS // 2, TURN_UNITS // 2)).determinant < 0
     outcome = verify_changed(primary_certificate, claim)
     assert not outcome.accepted

@@ -12,7 +12,7 @@ from gomboc_cad.body.catalogue import exact_parameters, named_body
 from gomboc_cad.body.sphere import Array
 from gomboc_cad.equilibria import smooth_census
 from gomboc_cad.equilibria.certificate import certify, dumps, loads, verify
-from gomboc_cad.equilibria.certificate.enclosures import BallGeometry
+from gomboc_cad.equilibria.certificate.geometry import ball_geometry
 from gomboc_cad.equilibria.certificate.records import TURN_UNITS, Cell, Decimals
 from gomboc_cad.errors import BodyError, InspectionError
 from tests.equilibria.certificate.tampering import signed
@@ -49,7 +49,7 @@ def test_the_hessian_is_that_of_the_distance(theta: int, psi: int) -> None:
         (distance(0, 1) - 2.0 * middle + distance(0, -1)) / width**2,
     )
     with ctx.workprec(64):
-        form = BallGeometry.of(PRIMARY, ANYWHERE).distance_hessian(Cell.at(theta, psi))
+        form = ball_geometry(PRIMARY, ANYWHERE).distance_hessian(Cell.at(theta, psi))
         found = [float(entry.mid()) for entry in form]
     assert found == pytest.approx(expected, abs=3e-4)
 

@@ -131,8 +131,8 @@ def test_parameters_of_a_body_are_the_decimals_that_were_typed() -> None:
 
 
 def test_other_families_are_refused_with_a_sentence() -> None:
-    with pytest.raises(BodyError, match="not for 'harmonic'; the census judges the others"):
-        certify(ExactParameters.of(make_body("harmonic", None, {"2,0": 0.01})))
+    with pytest.raises(BodyError, match="not for 'sloan1'; the census judges the others"):
+        certify(ExactParameters.of(make_body("sloan1", 0.02)))
 
 
 def test_progress_is_told_by_stage() -> None:
