@@ -10,6 +10,8 @@ from typing import Any
 
 from gomboc_cad.progress import Progress, silent
 
+_MOST_COEFFICIENTS = 4
+
 
 class Reporter:
     """Says results in the way that was asked for: JSON, tables, or nothing.
@@ -100,10 +102,17 @@ def show_catalog(document: dict[str, Any]) -> None:
     )
     for body in document["bodies"]:
         terms = [] if body["beta"] is None else [f"β = {body['beta']:g}"]
-        terms += [f"{key}: {value:g}" for key, value in body["coefficients"].items()]
+        terms += _coefficients({key: f"{value:g}" for key, value in body["coefficients"].items()})
         margin = "–" if body["s_margin"] is None else f"{body['s_margin']:.5f}"
         table.add_row(body["name"], body["family"], ", ".join(terms), body["status"], margin, body["reason"])
     _print(table)
+
+
+def _coefficients(shown: dict[str, str]) -> list[str]:
+    """Each coefficient; of many only their number."""
+    if len(shown) > _MOST_COEFFICIENTS:
+        return [f"{len(shown)} coefficients"]
+    return [f"{key}: {value}" for key, value in shown.items()]
 
 
 def show_census(document: dict[str, Any]) -> None:
@@ -175,7 +184,7 @@ def show_check(document: dict[str, Any]) -> None:
 def show_certificate(document: dict[str, Any]) -> None:
     """A certificate, or the check of one."""
     terms = [] if document["beta"] is None else [f"β = {document['beta']}"]
-    terms += [f"{key}: {value}" for key, value in document["coefficients"].items()]
+    terms += _coefficients(document["coefficients"])
     verdict = {True: "accepted", False: "REJECTED", None: document["status"]}[document.get("accepted")]
     facts = _table(f"{document['family']}, {', '.join(terms)}: {verdict}", "quantity", "value")
     rows = {

@@ -10,15 +10,17 @@ from build123d import Align, Box, Cylinder, Solid
 from pydantic import Field, model_validator
 
 from gomboc_cad.body.sphere import Array
-from gomboc_cad.errors import SpecError
+from gomboc_cad.products.data_files import data_names, load_data
 from gomboc_cad.products.placement import RestFrame
-from gomboc_cad.products.toml_model import Number, Text, TomlModel, parse_model, read_toml
-from gomboc_cad.resources import template_folder
+from gomboc_cad.products.toml_model import Number, Text, TomlModel
 
 Size = Annotated[Number, Field(gt=0.0, le=1000.0)]
 Source = Annotated[str, Field(strict=True, min_length=1, max_length=800)]
 
 _SIZES = {"cylinder": (2, "diameter and length"), "box": (3, "length, width and height")}
+
+
+_FOLDER = "batteries"
 
 
 class Battery(TomlModel):
@@ -81,11 +83,7 @@ class Battery(TomlModel):
 
 def battery_names() -> tuple[str, ...]:
     """Names of the batteries that come with the package."""
-    return tuple(sorted(file.stem for file in _template_batteries().glob("*.toml")))
-
-
-def _template_batteries() -> Path:
-    return template_folder() / "batteries"
+    return data_names(_FOLDER)
 
 
 def load_battery(name: str, beside: Path | None = None) -> Battery:
@@ -98,13 +96,4 @@ def load_battery(name: str, beside: Path | None = None) -> Battery:
     Raises:
         SpecError: If there is no such battery or its file is wrong.
     """
-    if name.endswith(".toml"):
-        path = (beside or Path()) / name
-    else:
-        known = battery_names()
-        if name not in known:
-            raise SpecError(
-                f"There is no battery {name!r}; choose one of {', '.join(known)}, or give a .toml file."
-            )
-        path = _template_batteries() / f"{name}.toml"
-    return parse_model(Battery, read_toml(path), path.name)
+    return load_data(Battery, _FOLDER, name, beside)

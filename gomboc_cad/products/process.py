@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -10,12 +9,15 @@ from pydantic import Field, model_validator
 
 from gomboc_cad.errors import SpecError
 from gomboc_cad.products.common_spec import ShellSpec
-from gomboc_cad.products.toml_model import Number, Text, TomlModel, parse_model, read_toml
-from gomboc_cad.resources import template_folder
+from gomboc_cad.products.data_files import data_names, load_data
+from gomboc_cad.products.toml_model import Number, Text, TomlModel
 
 Kind = Literal["printed", "machined", "moulded"]
 Length = Annotated[Number, Field(gt=0.0, le=10_000.0)]
 Source = Annotated[str, Field(strict=True, min_length=1, max_length=800)]
+
+
+_FOLDER = "processes"
 
 
 class Process(TomlModel):
@@ -51,7 +53,7 @@ class Process(TomlModel):
 
 def process_names() -> tuple[str, ...]:
     """Names of the processes that come with the package."""
-    return tuple(sorted(file.stem for file in _template_processes().glob("*.toml")))
+    return data_names(_FOLDER)
 
 
 def load_process(name: str, beside: Path | None = None) -> Process:
@@ -64,16 +66,7 @@ def load_process(name: str, beside: Path | None = None) -> Process:
     Raises:
         SpecError: If there is no such process or its file is wrong.
     """
-    if name.endswith(".toml"):
-        path = (beside or Path()) / name
-    else:
-        known = process_names()
-        if name not in known:
-            near = difflib.get_close_matches(name, known, n=1)
-            hint = f"did you mean {near[0]}?" if near else f"choose one of {', '.join(known)},"
-            raise SpecError(f"There is no process {name!r}; {hint} or give a .toml file.")
-        path = _template_processes() / f"{name}.toml"
-    return parse_model(Process, read_toml(path), path.name)
+    return load_data(Process, _FOLDER, name, beside)
 
 
 def least_wall_mm(shell: ShellSpec, beside: Path | None = None) -> float:
@@ -94,7 +87,3 @@ def least_wall_mm(shell: ShellSpec, beside: Path | None = None) -> float:
                 f"{process.name} makes reliably; make it thicker or choose another shell.process."
             )
     return process.min_wall_mm if shell.min_wall_mm is None else shell.min_wall_mm
-
-
-def _template_processes() -> Path:
-    return template_folder() / "processes"

@@ -19,11 +19,14 @@ def default_housing() -> HousingDesign:
 
 @pytest.fixture
 def template_with(tmp_path: Path):
-    """`template_with((old, new), ...)` writes the housing's template with changes and gives its path."""
+    """`template_with((old, new), ...)` writes the housing's template with changes and gives its path.
+
+    Without the mark and with coarse meshes, which cost most of the time and are tested on their own.
+    """
 
     def write(*changes: tuple[str, str]) -> Path:
         text = (template_folder() / "imu-housing.toml").read_text(encoding="utf-8")
-        for old, new in changes:
+        for old, new in (('text = "A1" ', 'text = "" '), ("sag_um = 10.0 ", "sag_um = 100.0 "), *changes):
             assert text.count(old) == 1, f"{old!r} stands {text.count(old)} times in the template"
             text = text.replace(old, new)
         path = tmp_path / "mine.toml"

@@ -9,9 +9,8 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from gomboc_cad.body.sphere import Array, unit
-from gomboc_cad.errors import SpecError
-from gomboc_cad.products.toml_model import Coordinate, Number, Point, Text, TomlModel, parse_model, read_toml
-from gomboc_cad.resources import template_folder
+from gomboc_cad.products.data_files import data_names, load_data
+from gomboc_cad.products.toml_model import Coordinate, Number, Point, Text, TomlModel
 
 Size = Annotated[Number, Field(gt=0.0, le=500.0)]
 Source = Annotated[str, Field(strict=True, min_length=1, max_length=800)]
@@ -64,6 +63,9 @@ class Sensor(TomlModel):
         """Rotation from the sensor's frame to the board's: its columns are x, y and z, shape (3, 3)."""
         x, y = unit(np.array([self.x_axis, self.y_axis]))
         return np.column_stack([x, y, np.cross(x, y)])
+
+
+_FOLDER = "boards"
 
 
 class Board(TomlModel):
@@ -127,11 +129,7 @@ class Board(TomlModel):
 
 def board_names() -> tuple[str, ...]:
     """Names of the boards that come with the package."""
-    return tuple(sorted(file.stem for file in _template_boards().glob("*.toml")))
-
-
-def _template_boards() -> Path:
-    return template_folder() / "boards"
+    return data_names(_FOLDER)
 
 
 def load_board(name: str, beside: Path | None = None) -> Board:
@@ -144,13 +142,4 @@ def load_board(name: str, beside: Path | None = None) -> Board:
     Raises:
         SpecError: If there is no such board or its file is wrong.
     """
-    if name.endswith(".toml"):
-        path = (beside or Path()) / name
-    else:
-        known = board_names()
-        if name not in known:
-            raise SpecError(
-                f"There is no board {name!r}; choose one of {', '.join(known)}, or give a .toml file."
-            )
-        path = _template_boards() / f"{name}.toml"
-    return parse_model(Board, read_toml(path), path.name)
+    return load_data(Board, _FOLDER, name, beside)

@@ -10,9 +10,8 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from gomboc_cad.body.sphere import Array, unit
-from gomboc_cad.errors import SpecError
-from gomboc_cad.products.toml_model import Number, Point, Text, TomlModel, parse_model, read_toml
-from gomboc_cad.resources import template_folder
+from gomboc_cad.products.data_files import data_names, load_data
+from gomboc_cad.products.toml_model import Number, Point, Text, TomlModel
 
 Size = Annotated[Number, Field(gt=0.0, le=100.0)]
 Scatter = Annotated[Number, Field(ge=0.0, le=100.0)]
@@ -20,6 +19,9 @@ Source = Annotated[str, Field(strict=True, min_length=1, max_length=800)]
 
 _DENSEST_G_CM3 = 1.6
 """No seed is denser: starch and cellulose without any pores have 1.5 to 1.55 g/cm³."""
+
+
+_FOLDER = "seeds"
 
 
 class Seed(TomlModel):
@@ -103,11 +105,7 @@ class Seed(TomlModel):
 
 def seed_names() -> tuple[str, ...]:
     """Names of the seeds that come with the package."""
-    return tuple(sorted(file.stem for file in _template_seeds().glob("*.toml")))
-
-
-def _template_seeds() -> Path:
-    return template_folder() / "seeds"
+    return data_names(_FOLDER)
 
 
 def load_seed(name: str, beside: Path | None = None) -> Seed:
@@ -120,13 +118,4 @@ def load_seed(name: str, beside: Path | None = None) -> Seed:
     Raises:
         SpecError: If there is no such seed or its file is wrong.
     """
-    if name.endswith(".toml"):
-        path = (beside or Path()) / name
-    else:
-        known = seed_names()
-        if name not in known:
-            raise SpecError(
-                f"There is no seed {name!r}; choose one of {', '.join(known)}, or give a .toml file."
-            )
-        path = _template_seeds() / f"{name}.toml"
-    return parse_model(Seed, read_toml(path), path.name)
+    return load_data(Seed, _FOLDER, name, beside)

@@ -139,12 +139,15 @@ def test_impossible_sensors_are_refused(change: Change, said: str) -> None:
 
 
 @pytest.mark.slow
-def test_a_mass_error_beyond_the_margin_is_said_in_the_reasons(tmp_path: Path) -> None:
-    """The SparkFun board's estimated mass may move the COM by more than the S-margin of a 100 mm body."""
-    spec = tmp_path / "spec.toml"
-    text = (template_folder() / "imu-housing.toml").read_text(encoding="utf-8")
-    spec.write_text(text.replace('type = "adafruit-bno055"', 'type = "sparkfun-icm20948"'), encoding="utf-8")
-    document = build_product(str(spec), tmp_path / "out")
+def test_a_mass_error_beyond_the_margin_is_said_in_the_reasons(
+    template_with: Template, tmp_path: Path
+) -> None:
+    """The SparkFun board's estimated mass may move the COM by more than the S-margin of a 60 mm body."""
+    path = template_with(
+        ('type = "adafruit-bno055"', 'type = "sparkfun-icm20948"'),
+        ("diameter_mm = 100.0", "diameter_mm = 60.0"),
+    )
+    document = build_product(str(path), tmp_path / "out")
     assert document["verdict"] == "PASS"
     assert any("beyond the S-margin" in reason and "weigh it" in reason for reason in document["reasons"])
     calibration = json.loads((tmp_path / "out" / "calibration.json").read_text(encoding="utf-8"))
