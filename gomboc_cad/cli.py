@@ -42,6 +42,7 @@ from gomboc_cad.console import (
     show_certificate,
     show_check,
     show_drill_map,
+    show_paper,
     show_zone,
 )
 from gomboc_cad.errors import GombocError, NotConvexError
@@ -333,6 +334,26 @@ def build(
         )
     reporter.document(document, show_build)
     return PASSED if document["verdict"] == "PASS" else FAILED
+
+
+@app.command()
+def paper(
+    output: Output,
+    only: Annotated[
+        list[str] | None, typer.Option("--only", metavar="TABLE", help="One table; repeatable.")
+    ] = None,
+    force: Force = False,
+    json: AsJson = False,
+    quiet: Quiet = False,
+) -> int:
+    """Reproduce the source paper's tables and figures, and judge each figure by what is true."""
+    from gomboc_cad.paper import write_paper
+
+    reporter = Reporter(json, quiet)
+    with reporter.stages(None) as progress:
+        document = write_paper(output, only or None, force=force, progress=progress)
+    reporter.document(document, show_paper)
+    return PASSED
 
 
 def main() -> None:

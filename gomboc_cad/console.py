@@ -280,6 +280,22 @@ def show_build(document: dict[str, Any]) -> None:
     _print(parts, facts, *_reasons(document), _files(document))
 
 
+def show_paper(document: dict[str, Any]) -> None:
+    """Each table of the paper, with its verdicts."""
+
+    def text(figure: Any) -> str:
+        if figure is None:
+            return "–"
+        return f"{figure:.4g}" if isinstance(figure, float) else str(figure)
+
+    for made in document["tables"]:
+        table = _table(made["title"], "figure", "paper", "reproduced", "truth", "verdict", "why")
+        for row in made["rows"]:
+            figures = (text(row[key]) for key in ("paper", "reproduced", "truth"))
+            table.add_row(row["label"], *figures, row["verdict"], row["why"])
+        _print(table)
+
+
 def _length(length_um: float) -> str:
     return f"{length_um:.4g} µm" if length_um < 1e3 else f"{1e-3 * length_um:.4g} mm"
 
