@@ -302,7 +302,8 @@ def _place_mark(
     closure: ClosureLayout,
     least_wall_mm: float,
 ) -> Mark | None:
-    if not spec.mark.text:
+    # There is no drill map of a body that is not strictly convex.
+    if not spec.mark.text or not convexity(body).strictly_convex:
         return None
     return place_mark(
         body,

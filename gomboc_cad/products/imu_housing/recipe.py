@@ -183,6 +183,8 @@ def _notes(spec: ImuHousingSpec, layout: HousingLayout) -> tuple[str, ...]:
             f"Tape the battery {layout.battery.battery.name!r} to its pedestal in the {half} half with "
             f"double-sided tape {TAPE_MM:g} mm thick; its lead is not counted."
         )
+    if spec.mark.text and layout.mark is None:
+        notes.append("There is no mark: the body is not strictly convex, so no place for it is known.")
     if layout.port:
         notes.append(layout.port.note(spec.cable))
     return tuple(notes)

@@ -11,6 +11,7 @@ import numpy as np
 
 from gomboc_cad.body import Body, mass_properties
 from gomboc_cad.body.sphere import Array
+from gomboc_cad.equilibria import convexity
 from gomboc_cad.equilibria.records import Vector, as_vector
 from gomboc_cad.equilibria.zone import best_com_nearby
 from gomboc_cad.errors import GeometryError
@@ -75,14 +76,14 @@ def com_target(target: str | Vector, body: Body) -> Vector:
     """The place in mm that `com.target` of a spec stands for.
 
     Args:
-        target: `centroid`, `best` or a point.
+        target: `centroid`, `best` or a point. A body that is not strictly convex has no loading zone, and its
+            best place is the centroid.
         body: The outer shape.
 
     Raises:
         CensusError: If the best place is asked for and the body does not right itself about its centroid.
-        NotConvexError: If it is not strictly convex.
     """
-    if target == "centroid":
+    if target == "centroid" or (target == "best" and not convexity(body).strictly_convex):
         return mass_properties(body).com_mm
     if target == "best":
         # The loading zone scales with the body.
