@@ -115,7 +115,7 @@ def test_the_two_verdicts_of_a_buoy_stand_side_by_side(built: Built) -> None:
 def test_a_forced_port_fails_on_the_real_hull(tmp_path: Path) -> None:
     """Near the top, the unstable point, any open hole is a second rest; the verdict names it."""
     spec = tmp_path / "forced.toml"
-    port = '[cable]\nthread = "M6x1"\ndirection = [1.0, 0.0, 0.1]'
+    port = '[mark]\ntext = ""\n[cable]\nthread = "M6x1"\ndirection = [1.0, 0.0, 0.1]'
     spec.write_text(SMALL_HOUSING.format(board="adafruit-bno055", more=port), encoding="utf-8")
     document = build_product(str(spec), tmp_path / "out")
     assert document["verdict"] == "FAIL"

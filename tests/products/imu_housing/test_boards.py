@@ -142,10 +142,11 @@ def test_impossible_sensors_are_refused(change: Change, said: str) -> None:
 def test_a_mass_error_beyond_the_margin_is_said_in_the_reasons(
     template_with: Template, tmp_path: Path
 ) -> None:
-    """The SparkFun board's estimated mass may move the COM by more than the S-margin of a 60 mm body."""
+    """The SparkFun board's estimated mass may move the COM by more than a light 60 mm housing allows."""
     path = template_with(
         ('type = "adafruit-bno055"', 'type = "sparkfun-icm20948"'),
         ("diameter_mm = 100.0", "diameter_mm = 60.0"),
+        ("wall_mm = 3.0 ", "wall_mm = 2.0 "),
     )
     document = build_product(str(path), tmp_path / "out")
     assert document["verdict"] == "PASS"

@@ -144,7 +144,7 @@ def test_only_the_error_across_the_vertical_tilts(default_housing: HousingDesign
         ("diameter_mm = 100.0", "diameter_mm = 60.0"),
         ("diameter_mm = 100.0", "diameter_mm = 250.0"),
         ("seat_mm = 10.0", "seat_mm = 40.0"),
-        ("offset_mm = [0.0, 0.0]", "offset_mm = [8.0, -5.0]"),
+        ("cavity floor\noffset_mm = [0.0, 0.0]", "cavity floor\noffset_mm = [8.0, -5.0]"),
         ("height_mm = 0.0", "height_mm = -20.0"),
         ("angle_deg = 0.0", "angle_deg = 37.0"),
         ('material = "PLA"', 'material = "aluminium"'),
