@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import json
-import subprocess
-import sys
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -69,22 +65,3 @@ def cadquery() -> ModuleType:
 def pymeshlab() -> ModuleType:
     """The module pymeshlab."""
     return require_module("pymeshlab", "audit")
-
-
-@dataclass(frozen=True)
-class BuiltHousing:
-    """The default housing on disk."""
-
-    folder: Path
-    document: dict[str, Any]
-
-
-@pytest.fixture(scope="session")
-def built_housing(tmp_path_factory: pytest.TempPathFactory) -> BuiltHousing:
-    """The default housing, built by the command line as a user builds it."""
-    folder = tmp_path_factory.mktemp("housing") / "out"
-    command = [sys.executable, "-m", "gomboc_cad", "build", "imu-housing", "-o", str(folder), "--json"]
-    done = subprocess.run(command, capture_output=True, encoding="utf-8", timeout=300, check=False)
-    assert done.returncode == 0, done.stderr + done.stdout
-    assert done.stderr == ""
-    return BuiltHousing(folder, json.loads(done.stdout))

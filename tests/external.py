@@ -1,4 +1,4 @@
-"""Programs and optional modules that tests use but the package does not need.
+"""Programs and optional modules that tests use but the package does not need, and folders compared.
 
 A missing one skips the test and is named; where the environment says CI=true it fails the test instead, so
 that continuous integration cannot pass by leaving something out.
@@ -6,6 +6,7 @@ that continuous integration cannot pass by leaving something out.
 
 from __future__ import annotations
 
+import hashlib
 import importlib
 import importlib.util
 import json
@@ -18,6 +19,11 @@ from types import ModuleType
 from typing import Any, NoReturn
 
 import pytest
+
+
+def digests(folder: Path) -> dict[str, str]:
+    """Digest of each file of a folder: two folders compare without a listing of megabytes that differ."""
+    return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in folder.iterdir()}
 
 
 def missing(name: str, remedy: str) -> NoReturn:

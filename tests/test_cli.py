@@ -19,7 +19,6 @@ import trimesh
 
 from gomboc_cad.cli import main
 from gomboc_cad.resources import template_folder
-from tests.conftest import BuiltHousing
 from tests.equilibria.polyhedra import hull_mesh, prism
 from tests.solid import hostile
 
@@ -231,42 +230,11 @@ def test_a_certificate_that_was_changed_is_rejected(tmp_path: Path) -> None:
     assert (rejected["accepted"], rejected["status"], rejected["stable"]) == (False, "undecided", None)
 
 
-def test_the_build_has_the_contracts_keys(built_housing: BuiltHousing) -> None:
-    document = built_housing.document
-    assert document["verdict"] == "PASS"
-    assert all(file["ok"] for file in document["files"]), document["reasons"]
-    assert {"name", "material", "mass_g", "volume_mm3", "watertight"} <= set(document["parts"][0])
-    assert all(part["watertight"] for part in document["parts"])
-    assembly = document["assembly"]
-    assert assembly["com_residual_um"] <= 1.0
-    assert assembly["mass_g"] == pytest.approx(sum(part["mass_g"] for part in document["parts"]))
-    assert assembly["com_mm"] == pytest.approx(assembly["com_target_mm"], abs=1e-4)
-    assert document["s_margin_mm"] == pytest.approx(0.3821, rel=0.01)
-    assert document["reasons"]
-    assert document["rest"]["tilt_deg_per_um"][0] == pytest.approx(0.129, rel=0.01)
-
-
-def test_the_files_are_there_and_the_verdict_is_on_disk(built_housing: BuiltHousing) -> None:
-    folder, document = built_housing.folder, built_housing.document
-    on_disk = {path.name for path in folder.iterdir()}
-    assert on_disk == {file["path"] for file in document["files"]} | {"verdict.json"}
-    assert {"imu-housing.step", "imu-housing.3mf"} <= on_disk
-    for half in ("lower", "upper"):
-        assert {f"imu-housing-{half}.step", f"imu-housing-{half}.stl"} <= on_disk
-    verdict = json.loads((folder / "verdict.json").read_text(encoding="utf-8"))
-    assert verdict == {key: value for key, value in document.items() if key != "folder"}
-    for file in document["files"]:
-        assert (folder / file["path"]).stat().st_size == file["size_bytes"]
-
-
-def test_what_a_user_has_is_not_overwritten(built_housing: BuiltHousing, tmp_path: Path) -> None:
-    folder = built_housing.folder
-    before = {path.name: path.stat().st_mtime_ns for path in folder.iterdir()}
-    assert_one_sentence(run("build", "imu-housing", "-o", str(folder), "-q"), "--force")
-    assert {path.name: path.stat().st_mtime_ns for path in folder.iterdir()} == before
+def test_what_a_user_has_is_not_overwritten(tmp_path: Path) -> None:
     kept = tmp_path / "mine"
     kept.mkdir()
     (kept / "notes.txt").write_text("mine", encoding="utf-8")
+    assert_one_sentence(run("build", "imu-housing", "-o", str(kept), "-q"), "--force")
     assert_one_sentence(run("body", "primary", "-o", str(kept), "-q"), "--force")
     assert [path.name for path in kept.iterdir()] == ["notes.txt"]
     json_of("body", "primary", "-o", str(kept), "--force", "--formats", "stl", "--sag-um", "200")

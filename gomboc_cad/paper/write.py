@@ -11,12 +11,14 @@ from gomboc_cad.paper.figures import FIGURES
 from gomboc_cad.paper.page import page
 from gomboc_cad.paper.registry import reproduce
 from gomboc_cad.progress import Progress, silent
+from gomboc_cad.reproducible import one_blas_thread
 from gomboc_cad.solid.output import open_output, write_bytes
 
 PAGE_NAME = "paper.md"
 JSON_NAME = "paper.json"
 
 
+@one_blas_thread()
 def write_paper(
     folder: Path, names: Iterable[str] | None = None, *, force: bool = False, progress: Progress = silent
 ) -> dict[str, Any]:

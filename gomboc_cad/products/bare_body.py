@@ -13,6 +13,7 @@ from gomboc_cad.errors import SpecError
 from gomboc_cad.products.inheritance import inheritance_document, inheritance_reasons, inherited
 from gomboc_cad.products.verdict import Verdict, judge
 from gomboc_cad.progress import Progress, silent
+from gomboc_cad.reproducible import one_blas_thread
 from gomboc_cad.solid.audit import require_pymeshlab
 from gomboc_cad.solid.boundary import Boundary
 from gomboc_cad.solid.export import NamedMesh, write_3mf, write_step, write_stl
@@ -31,6 +32,7 @@ STAGES = 5
 _COLOR = (0.27, 0.51, 0.71)
 
 
+@one_blas_thread()
 def write_body(
     body: Body,
     folder: Path,

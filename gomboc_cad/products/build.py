@@ -27,6 +27,7 @@ from gomboc_cad.products.spec import load_spec, spec_path
 from gomboc_cad.products.subject import DESIGN_STAGES
 from gomboc_cad.products.verdict import Verdict, judge
 from gomboc_cad.progress import Progress, silent
+from gomboc_cad.reproducible import one_blas_thread
 from gomboc_cad.solid.audit import require_pymeshlab
 from gomboc_cad.solid.export import NamedMesh, write_3mf, write_plate, write_step, write_stl
 from gomboc_cad.solid.inspect import Expected, FileInspection, inspect_file, problems_of
@@ -44,6 +45,7 @@ _BOUGHT_PART_DEVIATION_UM = 0.1
 """How far the knurled and threaded surfaces of bought parts may move on the way through a STEP file."""
 
 
+@one_blas_thread()
 def build_product(
     spec: str,
     folder: Path,
@@ -93,7 +95,7 @@ def build_product(
         made = manufacture(assembly, process, design.parting_direction)
         progress("rechecking the hull of the exported parts")
         exported = _exported(staging, assembly)
-        again = recheck(exported, assembly.com_mm, design.openings, design.body)
+        again = recheck(exported, assembly.com_mm, design.openings, design.body, design.parting)
         progress("judging")
         problems = (*design.problems, *problems_of(found), *_com_problems(design), *made.problems)
         verdict = judge(design.body, assembly.com_mm, problems, again)

@@ -11,7 +11,7 @@ from gomboc_cad.equilibria.records import Vector
 from gomboc_cad.products.assembly import Assembly
 from gomboc_cad.products.common_spec import ProductSpec
 from gomboc_cad.products.openings.sites import PlacedOpening
-from gomboc_cad.products.placement import RestFrame
+from gomboc_cad.products.placement import Parting, RestFrame
 from gomboc_cad.products.placing.com_placement import ComPlacement
 from gomboc_cad.products.verdict import Verdict
 
@@ -49,6 +49,7 @@ class ProductDesign:
         openings: Everything that opens the outer surface.
         uncertainties: What moves the centre of mass.
         parting_direction: Direction in which a mould or the seam opens.
+        parting: The seam of the outer surface; None where there is none but around plugs.
         documents: Further JSON documents by file name, such as `calibration.json`, from the verdict.
         summary: Keys of `verdict.json` that only this product has.
         problems: What is wrong with it, one sentence each; any makes the verdict FAIL.
@@ -63,6 +64,7 @@ class ProductDesign:
     openings: tuple[PlacedOpening, ...]
     uncertainties: tuple[Uncertainty, ...]
     parting_direction: Vector
+    parting: Parting | None = None
     documents: Callable[[Verdict], Mapping[str, dict[str, Any]]] = no_documents
     summary: Mapping[str, Any] = field(default_factory=dict)
     problems: tuple[str, ...] = ()

@@ -9,9 +9,10 @@ from build123d import Location, Plane
 from scipy.optimize import brentq
 
 from gomboc_cad.body import Body, depth_mm
-from gomboc_cad.body.sphere import Array
+from gomboc_cad.body.sphere import Array, BoolArray
 from gomboc_cad.equilibria.records import Vector, as_vector
 from gomboc_cad.errors import GeometryError
+from gomboc_cad.products.common_spec import SplitSpec
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,37 @@ class RestFrame:
     def location(self, origin_mm: Array) -> Location:
         """Location at a place of the body's frame, its x along first and its z along up."""
         return Plane(origin=tuple(origin_mm), x_dir=self.first, z_dir=self.up).location
+
+
+@dataclass(frozen=True)
+class Parting:
+    """The plane that parts a product, and where the upper part really sits on the lower one.
+
+    Attributes:
+        up: Unit vector square to the plane, towards the upper part.
+        height_mm: Height of the plane over the body's origin.
+        shift_mm: How the seam's step and gap displace the upper part.
+    """
+
+    up: Vector
+    height_mm: float
+    shift_mm: Vector
+
+    @property
+    def is_displaced(self) -> bool:
+        """Whether the outer surface has a step or a gap."""
+        return any(self.shift_mm)
+
+    def above(self, points_mm: Array) -> BoolArray:
+        """Which points (n, 3) of the undisplaced body belong to the upper part, shape (n,)."""
+        result: BoolArray = points_mm @ np.array(self.up) > self.height_mm
+        return result
+
+
+def parting_of(frame: RestFrame, split: SplitSpec, core_shift_mm: Vector = (0.0, 0.0, 0.0)) -> Parting:
+    """The seam of a product that is parted square to its vertical at rest; it goes with the core."""
+    height = split.height_mm + float(np.dot(frame.up, core_shift_mm))
+    return Parting(frame.up, height, as_vector(frame.point(*split.step_mm, split.gap_mm)))
 
 
 def cavity_floor_mm(body: Body, frame: RestFrame, wall_mm: float, first: float, second: float) -> float:

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from itertools import product
 from typing import Any
 
@@ -30,6 +31,7 @@ from gomboc_cad.equilibria.records import CensusVerdict, Vector
 from gomboc_cad.equilibria.rim import RimRest, hole_rims_mm, rim_clearance_mm, rim_rest
 from gomboc_cad.errors import CensusError
 from gomboc_cad.products.openings.sites import PlacedOpening
+from gomboc_cad.products.placement import Parting
 from gomboc_cad.progress import Progress, silent
 from gomboc_cad.solid.offset import InsetSurface
 from gomboc_cad.solid.surface_sampling import SurfacePoints, SurfaceSampler
@@ -95,6 +97,7 @@ def recheck(
     com_mm: Vector,
     openings: Sequence[PlacedOpening],
     body: Body,
+    parting: Parting | None = None,
     progress: Progress = silent,
 ) -> Recheck:
     """Count the rests of the hull of all parts of a product.
@@ -103,7 +106,8 @@ def recheck(
         solids: The parts as read back from their files, in place, by name.
         com_mm: Centre of mass of the product.
         openings: What opens the outer surface, in place.
-        body: The outer surface as it was meant.
+        body: The outer surface as it was meant, without a step or gap of the seam.
+        parting: The seam, where it has a step or a gap.
         progress: Told about each round of the census.
 
     Raises:
@@ -113,7 +117,7 @@ def recheck(
     outer = [solid for solid in solids.values() if _may_reach_hull(solid, body)]
     rims = _rims(outer, openings, body, np.array(com_mm))
     points, census = _sampled_census(outer, com_mm, progress)
-    smooth = _smooth_rests(body, com_mm, openings)
+    smooth = _smooth_rests(body, np.array(com_mm), openings, parting)
     on_rims = [rim for rim in rims if rim.rest is not None]
     verdict, stable, reasons = _judged(census, smooth, on_rims)
     outside = float(InsetSurface(body).signed_distance_mm(points.points_mm).max())
@@ -152,7 +156,7 @@ def _rests_on(rim: RimFinding) -> str:
 
 def _may_reach_hull(solid: Shape, body: Body) -> bool:
     """Whether a solid is not certainly inside the body."""
-    box = solid.bounding_box()
+    box = solid.bounding_box(optimal=False)
     corners = np.array(list(product(*zip(tuple(box.min), tuple(box.max), strict=True))))
     return bool(np.any(depth_mm(body, corners) <= 0.0))
 
@@ -161,7 +165,7 @@ def _sampled_census(
     solids: Sequence[Shape], com_mm: Vector, progress: Progress
 ) -> tuple[SurfacePoints, Census]:
     """Census of the hull of points of the surfaces, finer where the first ones do not decide it."""
-    boxes = [solid.bounding_box() for solid in solids]
+    boxes = [solid.bounding_box(optimal=False) for solid in solids]
     low, high = (np.array([tuple(getattr(box, end)) for box in boxes]) for end in ("min", "max"))
     size = float(np.linalg.norm(high.max(axis=0) - low.min(axis=0)))
     sampler = SurfaceSampler(solids, size)
@@ -178,22 +182,32 @@ def _sampled_census(
     return points, census
 
 
-def _smooth_rests(body: Body, com_mm: Vector, openings: Sequence[PlacedOpening]) -> tuple[Vector, ...]:
+def _smooth_rests(
+    body: Body, com: Array, openings: Sequence[PlacedOpening], parting: Parting | None
+) -> tuple[Vector, ...]:
     """Directions in which the smooth surface rests, but for those whose place an open mouth has taken away.
 
+    An upper part that is displaced by d has the rests of the undisplaced one about the centre of mass less d.
     None for a body that is not strictly convex, whose rests the sampled census alone tells.
     """
+    mouths = [opening for opening in openings if opening.state != "plugged"]
+
+    def rests(center: Array, upper: bool | None) -> list[Vector]:
+        found = [e.direction for e in find_equilibria(body, center) if e.kind == "stable"]
+        places = body.position_mm(touching_directions(body, np.array(found)))
+        return [
+            direction
+            for direction, place in zip(found, places, strict=True)
+            if not any(_in_mouth(opening, place) for opening in mouths)
+            and (parting is None or upper is None or parting.above(place) == upper)
+        ]
+
     try:
-        stable = [e.direction for e in find_equilibria(body, com_mm) if e.kind == "stable"]
+        if parting is None or not parting.is_displaced:
+            return tuple(rests(com, None))
+        return (*rests(com, upper=False), *rests(com - np.array(parting.shift_mm), upper=True))
     except CensusError:
         return ()
-    places = body.position_mm(touching_directions(body, np.array(stable)))
-    mouths = [opening for opening in openings if opening.state != "plugged"]
-    return tuple(
-        direction
-        for direction, place in zip(stable, places, strict=True)
-        if not any(_in_mouth(opening, place) for opening in mouths)
-    )
 
 
 def _in_mouth(opening: PlacedOpening, place_mm: Array) -> bool:
@@ -217,11 +231,21 @@ def _rims(
     """Judge the rim of each opening, taken from the solids' edges where it is there as a whole."""
     near = _ON_RIM * body.radius_mm
     edges = _edge_points(solids) if openings else np.empty((0, 3))
-    edges = edges[np.abs(InsetSurface(body).signed_distance_mm(edges)) < near] if len(edges) else edges
-    return tuple(_rim_finding(opening, edges, body, com, near) for opening in openings)
+
+    @cache
+    def on_surface(shift_mm: Vector) -> Array:
+        """Points of edges on the body's surface when the displacement of its part is taken back."""
+        undone: Array = edges - np.array(shift_mm)
+        return undone[np.abs(InsetSurface(body).signed_distance_mm(undone)) < near] if len(edges) else edges
+
+    return tuple(
+        _rim_finding(opening, on_surface(opening.shift_mm), body, com - np.array(opening.shift_mm), near)
+        for opening in openings
+    )
 
 
 def _rim_finding(opening: PlacedOpening, edges: Array, body: Body, com: Array, near_mm: float) -> RimFinding:
+    """Judge a rim where its part was before it was displaced, with the centre of mass displaced back too."""
     middle = np.array(opening.position_mm)
     across, along = _polar(opening, edges - middle)
     on_side = np.abs(across - opening.tool.radius_mm) < near_mm

@@ -22,6 +22,18 @@ def new_figure(width_in: float, height_in: float) -> Figure:
     return Figure(figsize=(width_in, height_in), layout="constrained")
 
 
+def figure_format(path: Path) -> str:
+    """Tell the format of a figure by its suffix; asked before a figure that takes long to draw.
+
+    Raises:
+        OutputError: If it is neither PNG nor SVG.
+    """
+    kind = path.suffix.lower().removeprefix(".")
+    if kind not in FORMATS:
+        raise OutputError(f"{path.name}: figures are written as .png or .svg; change the suffix.")
+    return kind
+
+
 def write_figure(figure: Figure, path: Path) -> None:
     """Write a figure as PNG or SVG, by the suffix, whole or not at all.
 
@@ -30,9 +42,7 @@ def write_figure(figure: Figure, path: Path) -> None:
     """
     from matplotlib import rc_context
 
-    kind = path.suffix.lower().removeprefix(".")
-    if kind not in FORMATS:
-        raise OutputError(f"{path.name}: figures are written as .png or .svg; change the suffix.")
+    kind = figure_format(path)
     # Without a salt the identifiers inside an SVG are random.
     with rc_context({"svg.hashsalt": "gomboc-cad"}), atomic_path(path) as part:
         figure.savefig(part, format=kind, dpi=150, metadata=_DATELESS[kind])

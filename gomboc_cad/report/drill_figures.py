@@ -10,7 +10,7 @@ import numpy as np
 
 from gomboc_cad.body.sphere import Array
 from gomboc_cad.equilibria.drill_map import DrillLimits, DrillMap, drill_limits
-from gomboc_cad.report.canvas import new_figure, write_figure
+from gomboc_cad.report.canvas import figure_format, new_figure, write_figure
 from gomboc_cad.solid.output import write_bytes
 
 _LATITUDES, _LONGITUDES = 36, 72
@@ -50,6 +50,7 @@ def draw_drill_map(drilling: DrillMap, path: Path) -> None:
     Raises:
         OutputError: If the suffix is neither, or the file cannot be written.
     """
+    figure_format(path)
     longitude = np.linspace(-np.pi, np.pi, _LONGITUDES + 1)
     latitude = np.linspace(-0.5 * np.pi, 0.5 * np.pi, _LATITUDES + 1)
     middle_of = [0.5 * (edges[1:] + edges[:-1]) for edges in (longitude, latitude)]

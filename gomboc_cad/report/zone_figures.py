@@ -9,7 +9,7 @@ import numpy as np
 
 from gomboc_cad.body.sphere import Array, IntArray, fibonacci_directions
 from gomboc_cad.equilibria.zone import LoadingZone, margins_towards_rest
-from gomboc_cad.report.canvas import new_figure, write_figure
+from gomboc_cad.report.canvas import figure_format, new_figure, write_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,6 +42,7 @@ def draw_zone(zone: LoadingZone, path: Path) -> None:
     Raises:
         OutputError: If the suffix is neither, or the file cannot be written.
     """
+    figure_format(path)
     figure = new_figure(12.0, 11.5)
     grid = figure.add_gridspec(3, 3, height_ratios=(1.0, 1.0, 0.7))
     close = _CLOSE_UP * zone.nearest_best_s_margin_mm

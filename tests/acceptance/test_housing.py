@@ -1,8 +1,12 @@
-"""Programs that share nothing with us open the housing's files: FreeCAD and PrusaSlicer."""
+"""The default housing from the command line, its files opened by programs that share nothing with us."""
 
 from __future__ import annotations
 
+import json
+import subprocess
+import sys
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +15,6 @@ import pytest
 import trimesh
 
 from gomboc_cad.solid.inspect import Expected, inspect_file
-from tests.conftest import BuiltHousing
 from tests.external import PrusaSlicer
 
 HALVES = ("imu-housing-lower", "imu-housing-upper")
@@ -36,6 +39,53 @@ for item in document.Objects:
         found[item.Label] = {"valid": shape.isValid(), "solids": len(shape.Solids), "volume": shape.Volume}
 report(parts=found)
 """
+
+
+@dataclass(frozen=True)
+class BuiltHousing:
+    """The default housing on disk."""
+
+    folder: Path
+    document: dict[str, Any]
+
+
+@pytest.fixture(scope="module")
+def built_housing(tmp_path_factory: pytest.TempPathFactory) -> BuiltHousing:
+    """The default housing, built by the command line as a user builds it."""
+    folder = tmp_path_factory.mktemp("housing") / "out"
+    command = [sys.executable, "-m", "gomboc_cad", "build", "imu-housing", "-o", str(folder), "--json"]
+    done = subprocess.run(command, capture_output=True, encoding="utf-8", timeout=300, check=False)
+    assert done.returncode == 0, done.stderr + done.stdout
+    assert done.stderr == ""
+    return BuiltHousing(folder, json.loads(done.stdout))
+
+
+def test_the_build_has_the_contracts_keys(built_housing: BuiltHousing) -> None:
+    document = built_housing.document
+    assert document["verdict"] == "PASS"
+    assert all(file["ok"] for file in document["files"]), document["reasons"]
+    assert {"name", "material", "mass_g", "volume_mm3", "watertight"} <= set(document["parts"][0])
+    assert all(part["watertight"] for part in document["parts"])
+    assembly = document["assembly"]
+    assert assembly["com_residual_um"] <= 1.0
+    assert assembly["mass_g"] == pytest.approx(sum(part["mass_g"] for part in document["parts"]))
+    assert assembly["com_mm"] == pytest.approx(assembly["com_target_mm"], abs=1e-4)
+    assert document["s_margin_mm"] == pytest.approx(0.3821, rel=0.01)
+    assert document["reasons"]
+    assert document["rest"]["tilt_deg_per_um"][0] == pytest.approx(0.129, rel=0.01)
+
+
+def test_the_files_are_there_and_the_verdict_is_on_disk(built_housing: BuiltHousing) -> None:
+    folder, document = built_housing.folder, built_housing.document
+    on_disk = {path.name for path in folder.iterdir()}
+    assert on_disk == {file["path"] for file in document["files"]} | {"verdict.json"}
+    assert {"imu-housing.step", "imu-housing.3mf"} <= on_disk
+    for half in ("lower", "upper"):
+        assert {f"imu-housing-{half}.step", f"imu-housing-{half}.stl"} <= on_disk
+    verdict = json.loads((folder / "verdict.json").read_text(encoding="utf-8"))
+    assert verdict == {key: value for key, value in document.items() if key != "folder"}
+    for file in document["files"]:
+        assert (folder / file["path"]).stat().st_size == file["size_bytes"]
 
 
 def test_freecad_opens_the_assembly(

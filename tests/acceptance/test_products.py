@@ -16,7 +16,7 @@ import pytest
 from gomboc_cad.products.build import build_product
 from gomboc_cad.resources import template_folder
 from tests.acceptance.test_housing import READ_STEP
-from tests.external import PrusaSlicer
+from tests.external import PrusaSlicer, digests
 
 pytestmark = pytest.mark.slow
 
@@ -134,9 +134,6 @@ def test_a_changed_board_gives_the_same_bytes_as_from_scratch(tmp_path: Path) ->
         build_product(str(specs[board]), tmp_path / board)
     command = [sys.executable, "-m", "gomboc_cad", "build", str(specs["adafruit-mpu6050"]), "-q"]
     subprocess.run([*command, "-o", str(tmp_path / "alone")], check=True, timeout=300)
-
-    def bytes_of(folder: str) -> dict[str, bytes]:
-        return {path.name: path.read_bytes() for path in (tmp_path / folder).iterdir()}
-
-    assert bytes_of("alone") == bytes_of("adafruit-mpu6050")
-    assert bytes_of("alone")["imu-housing.step"] != bytes_of("adafruit-bno055")["imu-housing.step"]
+    alone = digests(tmp_path / "alone")
+    assert alone == digests(tmp_path / "adafruit-mpu6050")
+    assert alone["imu-housing.step"] != digests(tmp_path / "adafruit-bno055")["imu-housing.step"]

@@ -50,8 +50,10 @@ def test_files_of_one_table(tmp_path: Path) -> None:
     document = write_paper(tmp_path / "out", ["imu"], progress=told.append)
     assert document["files"] == ["paper.json", "paper.md"]
     assert {path.name for path in (tmp_path / "out").iterdir()} == set(document["files"])
-    assert json.loads((tmp_path / "out" / "paper.json").read_text()) == {"tables": document["tables"]}
-    assert section(table("imu"), ".") in (tmp_path / "out" / "paper.md").read_text()
+    assert json.loads((tmp_path / "out" / "paper.json").read_text(encoding="utf-8")) == {
+        "tables": document["tables"]
+    }
+    assert section(table("imu"), ".") in (tmp_path / "out" / "paper.md").read_text(encoding="utf-8")
     assert told == ["imu"]
     with pytest.raises(OutputError, match="not empty"):
         write_paper(tmp_path / "out", ["imu"])

@@ -12,8 +12,9 @@ from gomboc_cad.body import catalog, mass_properties
 from gomboc_cad.equilibria import find_equilibria, smooth_census
 from gomboc_cad.equilibria.records import Vector, as_vector
 from gomboc_cad.products.common_spec import Direction
+from gomboc_cad.products.openings.placed_opening import displaced, judged_opening
 from gomboc_cad.products.openings.sites import OpeningRequest, PlacedOpening, place_openings
-from gomboc_cad.products.placement import RestFrame
+from gomboc_cad.products.placement import Parting, RestFrame
 from gomboc_cad.products.recheck import Recheck, recheck, recheck_document
 from gomboc_cad.solid.export import write_step
 from gomboc_cad.solid.hollow import HollowBody, Seam, brep, plug_brep, split_brep
@@ -156,6 +157,24 @@ def test_a_recess_beside_the_rest_makes_two() -> None:
     found = rechecked(drilled(eye), eye, com=moved)
     assert (found.verdict, found.stable) == ("multistable", 2)
     assert "also beside it" in found.reasons[0]
+
+
+def test_an_opening_goes_with_its_half(allowed_mm: float) -> None:
+    """A half displaced by d is that half about the centre of mass less d."""
+    hole = opening(0.9 * allowed_mm)
+    shift = FRAME.point(0.2, -0.1, 0.3)
+    parting = Parting(FRAME.up, 0.0, as_vector(shift))
+    assert parting.above(np.array([hole.position_mm]))[0]
+    lower, upper = split_brep(drilled(hole), Seam((0.0, 0.0, 0.0), FRAME.up))
+    solids = {"lower": lower, "upper": upper.moved(Location(as_vector(shift)))}
+    found = recheck(solids, CENTROID, displaced([hole], parting), BODY, parting)
+    as_if = judged_opening(BODY, np.subtract(CENTROID, shift), "port", hole.tool, frame=FRAME)
+    (rim,) = found.rims
+    assert rim.on_solid
+    assert rim.com_clearance_mm == pytest.approx(as_if.com_clearance_mm, rel=0.04)
+    assert abs(as_if.com_clearance_mm / hole.com_clearance_mm - 1.0) > 0.1
+    (undisplaced,) = recheck(solids, CENTROID, [hole], BODY).rims
+    assert not undisplaced.on_solid
 
 
 @pytest.mark.slow

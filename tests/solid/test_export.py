@@ -22,7 +22,7 @@ from gomboc_cad.solid.mass import solid_mass
 from gomboc_cad.solid.mesh import Mesh
 from gomboc_cad.solid.mesh_reading import read_3mf
 from gomboc_cad.solid.step import read_step
-from tests.external import PrusaSlicer
+from tests.external import PrusaSlicer, digests
 from tests.solid.conftest import Halves
 
 RunInFreeCAD = Callable[..., dict[str, Any]]
@@ -172,10 +172,7 @@ def test_writing_twice_gives_the_same_bytes(tmp_path: Path, files: Path, root: P
     environment = {key: value for key, value in os.environ.items() if key != "SOURCE_DATE_EPOCH"}
     environment |= {"PYTHONHASHSEED": "7", "PYTHONPATH": str(root)}
     subprocess.run([sys.executable, "-B", "-c", script, str(tmp_path)], check=True, env=environment, cwd=root)
-    written = {path.name: path.read_bytes() for path in files.iterdir()}
-    assert {path.name for path in tmp_path.iterdir()} == set(written)
-    for name, data in written.items():
-        assert (tmp_path / name).read_bytes() == data, name
+    assert digests(tmp_path) == digests(files)
 
 
 def test_no_writer_leaves_anything_behind_when_the_folder_is_missing(tmp_path: Path) -> None:

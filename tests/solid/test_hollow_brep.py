@@ -12,11 +12,13 @@ from gomboc_cad import Body
 from gomboc_cad.body import mass_properties
 from gomboc_cad.errors import GeometryError
 from gomboc_cad.solid.boundary import Boundary
+from gomboc_cad.solid.export import file_date
 from gomboc_cad.solid.hollow import Cylinder, HollowBody, Seam, brep, split_brep, void_properties
 from gomboc_cad.solid.mass import solid_mass
 from gomboc_cad.solid.offset import InsetSurface
 from gomboc_cad.solid.patches import max_deviation_um
-from tests.solid.conftest import ALONG_X, ORIGIN, Halves
+from gomboc_cad.solid.step import NamedSolid, step_bytes
+from tests.solid.conftest import ALONG_X, ORIGIN, SEAM, Halves
 
 
 def test_plain_hollow_is_outer_less_inner(primary: Body) -> None:
@@ -86,6 +88,18 @@ def test_oblique_planes_split_too(hollow_brep: Solid) -> None:
     assert heights[0] < 0 < heights[1]
     volumes = [solid_mass(part).volume_mm3 for part in parts]
     assert sum(volumes) == pytest.approx(solid_mass(hollow_brep).volume_mm3, rel=1e-7)
+
+
+def test_cutting_a_solid_leaves_it_as_it_was(hollow_brep: Solid) -> None:
+    """OCCT shares edges between what goes into a cut and what comes out."""
+
+    def halves() -> bytes:
+        parts = [NamedSolid(f"half {i}", half) for i, half in enumerate(split_brep(hollow_brep, SEAM))]
+        return step_bytes(parts, "halves", file_date())
+
+    first = halves()
+    split_brep(hollow_brep, Seam((1.0, 2.0, 3.0), (1.0, 0.3, 0.1)))
+    assert halves() == first
 
 
 def test_a_plane_that_misses_is_refused(hollow_brep: Solid) -> None:

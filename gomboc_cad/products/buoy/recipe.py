@@ -28,7 +28,8 @@ from gomboc_cad.products.closures.plugs import plug_parts
 from gomboc_cad.products.design import ProductDesign
 from gomboc_cad.products.loads import load_uncertainties
 from gomboc_cad.products.materials import Material, load_material
-from gomboc_cad.products.openings.sites import PlacedOpening
+from gomboc_cad.products.openings.placed_opening import PlacedOpening, displaced
+from gomboc_cad.products.placement import parting_of
 from gomboc_cad.products.placing.com_placement import (
     ComPlacement,
     CoreMove,
@@ -94,7 +95,8 @@ def design_buoy(
     progress("making the meshes")
     assembly = workshop.assembly(placement.core_shift_mm, meshed=True)
     closure = layout.closure.moved(np.array(placement.core_shift_mm))
-    openings = (*layout.fixed_openings, *closure.openings)
+    parting = parting_of(layout.frame, spec.split, placement.core_shift_mm)
+    openings = displaced((*layout.fixed_openings, *closure.openings), parting)
     floating = float_buoy(body, _flooded(openings), assembly, layout.frame.up, water)
     soft = smooth_census(body, assembly.com_mm).rest.soft_direction
     return ProductDesign(
@@ -106,6 +108,7 @@ def design_buoy(
         openings=openings,
         uncertainties=load_uncertainties(assembly, contents.loads(spec, battery), soft),
         parting_direction=layout.frame.up,
+        parting=parting,
         documents=lambda verdict: {HYDROSTATICS_FILE: hydrostatics_document(floating, assembly, verdict)},
         summary={"floating": floating_summary(floating)},
         notes=(floating.sentence, *_notes(spec, layout, floating), *closure.notes),
@@ -194,15 +197,14 @@ class _Workshop:
 
     def _stepped(self, part: Part) -> Part:
         """The part displaced by the seam's gap and step, if it belongs to the upper half."""
-        split, layout = self._spec.split, self._layout
-        lift = layout.frame.point(*split.step_mm, split.gap_mm)
-        if not lift.any():
+        layout, parting = self._layout, parting_of(self._layout.frame, self._spec.split)
+        if not parting.is_displaced:
             return part
         upper = {UPPER, *layout.closure.upper_parts}
         if layout.port is not None and layout.port.in_upper:
             upper |= {"port-plug", "port-seal"}
         is_plug = part.name.startswith(PLUG) and np.dot(part.com_mm, layout.frame.up) > layout.seam_mm
-        return part.moved(lift) if is_plug or part.name in upper else part
+        return part.moved(np.array(parting.shift_mm)) if is_plug or part.name in upper else part
 
 
 def _flooded(openings: tuple[PlacedOpening, ...]) -> tuple[Tool, ...]:

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from build123d import Solid
 
-from gomboc_cad.body.sphere import Array
 from gomboc_cad.equilibria.records import Vector, as_vector
 from gomboc_cad.products.assembly import Part
 from gomboc_cad.products.closures.plugs import plug_parts
@@ -17,6 +16,7 @@ from gomboc_cad.products.imu_housing.layout import HousingContents, HousingLayou
 from gomboc_cad.products.imu_housing.mounting import board_solid
 from gomboc_cad.products.imu_housing.spec import ImuHousingSpec
 from gomboc_cad.products.materials import Material, load_material
+from gomboc_cad.products.placement import Parting, parting_of
 from gomboc_cad.products.placing.com_placement import ComPlacement
 from gomboc_cad.products.placing.trim import trim_parts
 from gomboc_cad.solid import hollow
@@ -104,17 +104,16 @@ class HousingParts:
 
         def with_mesh(part: Part) -> Part:
             mesh, boundary = finished[part.name]
-            lift = self.lift_mm if part.name == UPPER else np.zeros(3)
+            lift = self.parting.shift_mm if part.name == UPPER else (0.0, 0.0, 0.0)
             raised = replace(mesh, vertices_mm=mesh.vertices_mm + lift)
-            return replace(part, mesh=raised, boundary=boundary.moved(as_vector(lift)))
+            return replace(part, mesh=raised, boundary=boundary.moved(lift))
 
         return tuple(with_mesh(part) if part.name in finished else part for part in parts)
 
     @property
-    def lift_mm(self) -> Array:
-        """How the seam's gap and step displace the upper half, a vector of the body's frame, shape (3,)."""
-        split = self.spec.split
-        return self.layout.frame.point(*split.step_mm, split.gap_mm)
+    def parting(self) -> Parting:
+        """The seam with its gap and step."""
+        return parting_of(self.layout.frame, self.spec.split)
 
     def _homogeneous(self, name: str, solid: Solid, color: tuple[float, float, float]) -> Part:
         return Part.homogeneous(name, solid, self.plastic, color)
@@ -142,9 +141,10 @@ class HousingParts:
         return frozenset(names)
 
     def _lifted(self, parts: Iterable[Part], names: frozenset[str]) -> tuple[Part, ...]:
-        if not self.lift_mm.any():
+        if not self.parting.is_displaced:
             return tuple(parts)
-        return tuple(part.moved(self.lift_mm) if part.name in names else part for part in parts)
+        lift = np.array(self.parting.shift_mm)
+        return tuple(part.moved(lift) if part.name in names else part for part in parts)
 
 
 def _board_parts(layout: HousingLayout, contents: HousingContents) -> list[Part]:

@@ -28,8 +28,8 @@ from gomboc_cad.products.imu_housing.parts import BATTERY, BOARD, PRODUCT, Housi
 from gomboc_cad.products.imu_housing.spec import ImuHousingSpec
 from gomboc_cad.products.loads import UncertainLoad, load_uncertainties
 from gomboc_cad.products.materials import Material
-from gomboc_cad.products.openings.sites import PlacedOpening
-from gomboc_cad.products.placement import RestFrame
+from gomboc_cad.products.openings.placed_opening import PlacedOpening, displaced
+from gomboc_cad.products.placement import RestFrame, parting_of
 from gomboc_cad.products.placing.com_placement import ComPlacement, CoreMove, com_target, converge, place_com
 from gomboc_cad.products.process import least_wall_mm
 from gomboc_cad.progress import Progress, silent
@@ -88,17 +88,19 @@ def design_imu_housing(
     progress("making the meshes")
     assembly = replace(assembly, parts=parts.with_meshes(assembly.parts, placement))
     mounted = _mounted(contents.board, layout, placement)
+    parting = parting_of(layout.frame, spec.split, placement.core_shift_mm)
     return HousingDesign(
         spec=spec,
         body=body,
         frame=layout.frame,
         assembly=assembly,
         placement=placement,
-        openings=(*parts.closure(placement).openings, *layout.fixed_openings),
+        openings=displaced((*parts.closure(placement).openings, *layout.fixed_openings), parting),
         uncertainties=load_uncertainties(
             assembly, mounted.loads, _soft_direction(body, assembly.com_mm, layout.frame)
         ),
         parting_direction=layout.frame.up,
+        parting=parting,
         documents=partial(calibration_documents, assembly, mounted, spec.tolerances),
         summary={
             "core_shift_mm": list(placement.core_shift_mm),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -25,7 +25,7 @@ from gomboc_cad.equilibria.rim import (
 )
 from gomboc_cad.errors import GeometryError
 from gomboc_cad.products.openings.cylinder_gaps import gaps_mm
-from gomboc_cad.products.placement import RestFrame
+from gomboc_cad.products.placement import Parting, RestFrame
 from gomboc_cad.solid.hollow import Cylinder
 
 State = Literal["allowed", "rest", "plugged", "forced"]
@@ -56,6 +56,7 @@ class PlacedOpening:
             rest, beside it; None for a plugged one.
         sentence: What a user should know about it; all of a group have the same.
         group: What it is one of many of, such as the dots of a mark.
+        shift_mm: How a step or a gap of the seam displaces it; its place is given without that.
     """
 
     name: str
@@ -68,6 +69,7 @@ class PlacedOpening:
     com_clearance_mm: float | None
     sentence: str
     group: str | None = None
+    shift_mm: Vector = (0.0, 0.0, 0.0)
 
 
 def judged_opening(
@@ -139,6 +141,15 @@ def _said_of_open(
             "beside it; bring the centre of mass nearer to the vertical through it, or make it wider."
         )
     return f"{sizes}: the product also rests on that rim, {barrier}; move it, make it smaller or plug it."
+
+
+def displaced(openings: Sequence[PlacedOpening], parting: Parting) -> tuple[PlacedOpening, ...]:
+    """Openings of a product whose upper part sits where the seam's step and gap have put it."""
+    places = np.array([opening.position_mm for opening in openings]).reshape(-1, 3)
+    return tuple(
+        replace(opening, shift_mm=parting.shift_mm) if above else opening
+        for opening, above in zip(openings, parting.above(places), strict=True)
+    )
 
 
 def require_apart(opening: PlacedOpening, others: Sequence[PlacedOpening], wall_mm: float) -> None:

@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from build123d import Solid
 
-from gomboc_cad.body.sphere import Array
 from gomboc_cad.equilibria.records import Vector, as_vector
 from gomboc_cad.products.assembly import Part
 from gomboc_cad.products.closures.records import ClosureLayout
 from gomboc_cad.products.materials import Material
+from gomboc_cad.products.placement import Parting
 from gomboc_cad.products.seed_pod.layout import WayIn
 from gomboc_cad.solid import hollow
 from gomboc_cad.solid.boundary import Boundary
@@ -93,13 +93,11 @@ class SplitCasing(Casing):
 
     Attributes:
         closure: How they are closed, before the core's shift.
-        up: Upwards at rest.
-        upper_offset_mm: How far the upper half is from its place: the gap and the step of the seam.
+        parting: The seam.
     """
 
     closure: ClosureLayout
-    up: Vector
-    upper_offset_mm: Vector
+    parting: Parting
 
     @property
     def bought_mass_g(self) -> float:
@@ -110,7 +108,7 @@ class SplitCasing(Casing):
         """The halves and what the closure brings."""
         closure = self.closure.moved(np.array(pod.core_shift_mm))
         lower, upper = hollow.split_brep(hollow.brep(pod), closure.seam)
-        offset = np.array(self.upper_offset_mm)
+        offset = np.array(self.parting.shift_mm)
         brought = (part.moved(offset) if part.name in closure.upper_parts else part for part in closure.parts)
         halves = _made(LOWER, lower, shell, _GREEN), _made(UPPER, upper, shell, _PALE).moved(offset)
         return (*halves, *brought)
@@ -120,10 +118,10 @@ class SplitCasing(Casing):
         seam = self.closure.moved(np.array(pod.core_shift_mm)).seam
         meshes = hollow.split_mesh(hollow.mesh(pod, sag_um), seam, sag_um)
         lower, upper = zip(meshes, Boundary.of_hollow(pod).split(seam), strict=True)
-        down, offset = as_vector(-np.array(self.up)), np.array(self.upper_offset_mm)
+        down, offset = as_vector(-np.array(self.parting.up)), np.array(self.parting.shift_mm)
         mesh, boundary = upper
-        raised = replace(mesh, vertices_mm=mesh.vertices_mm + offset), boundary.moved(self.upper_offset_mm)
-        shapes = {LOWER: (*lower, down), UPPER: (*raised, self.up)}
+        raised = replace(mesh, vertices_mm=mesh.vertices_mm + offset), boundary.moved(self.parting.shift_mm)
+        shapes = {LOWER: (*lower, down), UPPER: (*raised, self.parting.up)}
         return _shaped(parts, shapes)
 
 
@@ -140,14 +138,3 @@ def _shaped(parts: Sequence[Part], shapes: Mapping[str, _Shape]) -> tuple[Part, 
             part = replace(part, mesh=mesh, boundary=boundary, print_up=print_up)
         result.append(part)
     return tuple(result)
-
-
-def offset_of(matrix: Array, step_mm: tuple[float, float], gap_mm: float) -> Vector:
-    """The seam's step and gap as a vector of the body's frame.
-
-    Args:
-        matrix: Rows first, second, up of the resting frame, shape (3, 3).
-        step_mm: Step along first and second.
-        gap_mm: Gap along up.
-    """
-    return as_vector(np.array([*step_mm, gap_mm]) @ matrix)

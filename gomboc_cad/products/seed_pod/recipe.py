@@ -16,10 +16,11 @@ from gomboc_cad.equilibria.records import Vector, as_vector
 from gomboc_cad.products.assembly import Assembly, Part
 from gomboc_cad.products.design import ProductDesign
 from gomboc_cad.products.materials import Material, load_material
+from gomboc_cad.products.placement import parting_of
 from gomboc_cad.products.placing.com_placement import ComPlacement, CoreMove, com_target, converge, place_com
 from gomboc_cad.products.placing.trim import trim_parts
 from gomboc_cad.products.process import least_wall_mm
-from gomboc_cad.products.seed_pod.casing import Casing, PluggedCasing, SplitCasing, offset_of
+from gomboc_cad.products.seed_pod.casing import Casing, PluggedCasing, SplitCasing
 from gomboc_cad.products.seed_pod.contents import (
     SEED,
     SUBSTRATE,
@@ -147,6 +148,9 @@ def design_seed_pod(
         openings=(layout.exit,),
         uncertainties=uncertainties_of(spec, layout, seed, assembly),
         parting_direction=layout.frame.up,
+        parting=None
+        if layout.way_in is not None
+        else parting_of(layout.frame, spec.split, placement.core_shift_mm),
         summary={"pod": _summary(spec, layout, seed, assembly)},
         notes=_notes(spec, layout, seed),
     )
@@ -156,8 +160,7 @@ def _casing(spec: SeedPodSpec, layout: PodLayout) -> Casing:
     if layout.way_in is not None:
         return PluggedCasing(layout.way_in, layout.frame.up)
     assert layout.closure is not None
-    offset = offset_of(layout.frame.matrix(), spec.split.step_mm, spec.split.gap_mm)
-    return SplitCasing(layout.closure, layout.frame.up, offset)
+    return SplitCasing(layout.closure, parting_of(layout.frame, spec.split))
 
 
 def _summary(spec: SeedPodSpec, layout: PodLayout, seed: Seed, assembly: Assembly) -> dict[str, Any]:

@@ -79,7 +79,10 @@ def test_the_upper_half_stands_off_by_gap_and_step_with_what_hangs_in_it() -> No
     assert upper.mesh is not None
     assert (lower.mesh.vertices_mm @ matrix[2]).max() == pytest.approx(seam, abs=1e-4)
     assert (upper.mesh.vertices_mm @ matrix[2]).min() == pytest.approx(seam + 0.2, abs=1e-4)
-    wanted = np.array(design.layout.battery.com_mm) + shift + design.frame.point(0.1, -0.05, 0.2)  # type: ignore[union-attr]
+    assert design.parting is not None
+    assert design.parting.height_mm == pytest.approx(seam)
+    assert design.layout.battery is not None
+    wanted = np.array(design.layout.battery.com_mm) + shift + design.frame.point(0.1, -0.05, 0.2)
     assert part(design, BATTERY).com_mm == pytest.approx(wanted)
     assert np.allclose(upper.mesh.mass().com_mm, upper.com_mm, atol=0.1)
     # The boundary that files are inspected against went with it: the seam's vertices lie on its plane.

@@ -14,10 +14,12 @@ import pytest
 from gomboc_cad.body import depth_mm
 from gomboc_cad.errors import GeometryError, GombocError, SpecError
 from gomboc_cad.products.assembly import Assembly, Part
+from gomboc_cad.products.common_spec import SplitSpec
 from gomboc_cad.products.design import ProductDesign
 from gomboc_cad.products.materials import load_material
+from gomboc_cad.products.placement import parting_of
 from gomboc_cad.products.process import load_process
-from gomboc_cad.products.seed_pod.casing import BODY, LOWER, PLUG, UPPER, SplitCasing, offset_of
+from gomboc_cad.products.seed_pod.casing import BODY, LOWER, PLUG, UPPER, SplitCasing
 from gomboc_cad.products.seed_pod.contents import (
     SEED,
     SUBSTRATE,
@@ -188,9 +190,9 @@ def test_halves_are_printed_on_their_seam(default_pod: ProductDesign) -> None:
 def test_a_gap_and_a_step_move_the_upper_half() -> None:
     flat = laid_out(pod_spec(closure=PINNED))
     assert flat.closure is not None
-    offset = offset_of(flat.frame.matrix(), (0.1, -0.05), 0.2)
+    splits = SplitSpec(), SplitSpec(gap_mm=0.2, step_mm=(0.1, -0.05))
     whole, shell = flat.hollow(), load_material("PLA")
-    casings = [SplitCasing(flat.closure, flat.frame.up, by) for by in ((0.0, 0.0, 0.0), offset)]
+    casings = [SplitCasing(flat.closure, parting_of(flat.frame, split)) for split in splits]
     flat_parts, stepped_parts = ({p.name: p for p in casing.parts(whole, shell)} for casing in casings)
     moved = {name: np.subtract(stepped_parts[name].com_mm, flat_parts[name].com_mm) for name in stepped_parts}
     assert np.allclose(moved.pop(UPPER), flat.frame.point(0.1, -0.05, 0.2), atol=1e-9)
