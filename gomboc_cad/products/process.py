@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
+from gomboc_cad.body.sphere import Array, IntArray
 from gomboc_cad.errors import SpecError
 from gomboc_cad.products.common_spec import ShellSpec
 from gomboc_cad.products.data_files import data_names, load_data
-from gomboc_cad.products.toml_model import Number, Text, TomlModel
+from gomboc_cad.products.process_tolerances import ProcessTolerances, Source
+from gomboc_cad.products.toml_model import Number, Text, TomlModel, parse_model, read_toml
+from gomboc_cad.resources import template_folder
 
 Kind = Literal["printed", "machined", "moulded"]
 Length = Annotated[Number, Field(gt=0.0, le=10_000.0)]
-Source = Annotated[str, Field(strict=True, min_length=1, max_length=800)]
-
 
 _FOLDER = "processes"
+_LIKE = "like"
 
 
 class Process(TomlModel):
@@ -34,6 +36,8 @@ class Process(TomlModel):
         typical_size_mm: Largest part on a common machine, along three edges; None where machines differ too
             much to say.
         typical_size_source: Where that comes from.
+        tolerances: What a study of tolerances needs to know; a file that is used for walls and undercuts only
+            may leave it out.
     """
 
     name: Text
@@ -43,11 +47,14 @@ class Process(TomlModel):
     undercuts_matter: bool
     typical_size_mm: tuple[Length, Length, Length] | None = None
     typical_size_source: Source | None = None
+    tolerances: ProcessTolerances | None = None
 
     @model_validator(mode="after")
     def _sourced(self) -> Process:
         if (self.typical_size_mm is None) != (self.typical_size_source is None):
             raise ValueError("typical_size_mm and typical_size_source go together")
+        if self.tolerances is not None and (self.tolerances.layers is None) == (self.kind == "printed"):
+            raise ValueError("tolerances.layers goes with a printed process, and only with one")
         return self
 
 
@@ -59,6 +66,9 @@ def process_names() -> tuple[str, ...]:
 def load_process(name: str, beside: Path | None = None) -> Process:
     """Read a process by the name of a template or by the path of a user's own file.
 
+    A user's own file may say `like = "fdm"` and give only what differs: tables are taken over key by key, a
+    figure is replaced as a whole, with its range and its source.
+
     Args:
         name: `fdm`, or a path that ends in `.toml`.
         beside: Folder that a relative path starts from, usually that of the spec.
@@ -66,7 +76,64 @@ def load_process(name: str, beside: Path | None = None) -> Process:
     Raises:
         SpecError: If there is no such process or its file is wrong.
     """
-    return load_data(Process, _FOLDER, name, beside)
+    if not name.endswith(".toml"):
+        return load_data(Process, _FOLDER, name, beside)
+    path = (beside or Path()) / name
+    own = read_toml(path)
+    if _LIKE not in own:
+        return parse_model(Process, own, path.name)
+    pattern = own.pop(_LIKE)
+    if pattern not in process_names():
+        raise SpecError(
+            f"{path.name}: like = {pattern!r} is not allowed (allowed: {', '.join(process_names())})."
+        )
+    base = read_toml(template_folder() / _FOLDER / f"{pattern}.toml")
+    return parse_model(Process, _overridden(base, own), path.name)
+
+
+def known_tolerances(process: Process) -> ProcessTolerances:
+    """The tolerances of a process.
+
+    Raises:
+        SpecError: If its file says nothing of them.
+    """
+    if process.tolerances is None:
+        raise SpecError(
+            f"The file of the process {process.name} has no tables [tolerances.*]; write them, or begin the "
+            'file with like = "fdm" (or another process) and give only what differs.'
+        )
+    return process.tolerances
+
+
+def form_amplitudes_mm(process: Process, size_mm: float, degrees: IntArray) -> Array:
+    """Root mean square over the sphere of the error of form, by spherical-harmonic degree.
+
+    A harmonic of degree n has up to n undulations on a great circle, and over many degrees the spectrum of a
+    great circle falls with the same exponent; so the degree stands for the undulations per revolution.
+
+    Args:
+        process: The process.
+        size_mm: Largest dimension of the part, which is the diameter of a round one.
+        degrees: Whole numbers, any shape.
+
+    Returns:
+        Amplitudes in mm, same shape; 0 outside of the orders of the process. The square root of the sum of
+        their squares over all its orders is `process.tolerances.form.rms_mm(size_mm)`.
+
+    Raises:
+        SpecError: If the file of the process says nothing of its tolerances.
+    """
+    return known_tolerances(process).form.amplitudes_mm(size_mm, degrees)
+
+
+def _overridden(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
+    """A table with some of its keys replaced; tables within it key by key, but figures as a whole."""
+    return base | {key: _replacement(base.get(key), value) for key, value in own.items()}
+
+
+def _replacement(old: Any, new: Any) -> Any:
+    tables = isinstance(old, dict) and isinstance(new, dict)
+    return _overridden(old, new) if tables and "source" not in old else new
 
 
 def least_wall_mm(shell: ShellSpec, beside: Path | None = None) -> float:
