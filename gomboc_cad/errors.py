@@ -43,3 +43,7 @@ class OutputError(GombocError):
 
 class InspectionError(GombocError):
     """A file could not be read, or does not hold what is needed."""
+
+
+class StudyError(GombocError):
+    """A tolerance study cannot be run as asked."""

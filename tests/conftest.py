@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import os
+
+# Workers run side by side; with a BLAS thread for every processor in each of them, all wait for each other.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
