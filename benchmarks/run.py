@@ -18,6 +18,7 @@ from pathlib import Path
 
 import certify
 import mesh_census
+import tolerance
 
 REPEATS = 5
 KIB_PER_GIB = 1024 * 1024
@@ -162,6 +163,7 @@ def main() -> int:
         command_rows, quick = measure_commands(command, out)
     census_tables, census_within = mesh_census.tables()
     certificate_table, certificates_within = certify.table()
+    study_tables, study_within = tolerance.tables()
     text = "\n".join(
         [
             f"Machine: {machine()}. Median of {REPEATS} runs, of 3 builds, taking turns.",
@@ -183,6 +185,10 @@ def main() -> int:
             "Each in a new process on one core.",
             "",
             certificate_table,
+            "",
+            "## The tolerance study",
+            "",
+            study_tables,
         ]
     )
     print(text)
@@ -190,7 +196,7 @@ def main() -> int:
         page = PAGE.read_text(encoding="utf-8")
         before, after = page.split(BEGIN)[0], page.split(END)[1]
         PAGE.write_text(f"{before}{BEGIN}\n\n{text}\n\n{END}{after}", encoding="utf-8")
-    return 0 if quick and accurate and census_within and certificates_within else 1
+    return 0 if quick and accurate and census_within and certificates_within and study_within else 1
 
 
 if __name__ == "__main__":

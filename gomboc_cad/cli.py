@@ -43,6 +43,7 @@ from gomboc_cad.console import (
     show_check,
     show_drill_map,
     show_paper,
+    show_tolerance,
     show_zone,
 )
 from gomboc_cad.errors import GombocError, NotConvexError
@@ -333,6 +334,65 @@ def build(
             spec, output, force=force, allow_unverified=allow_unverified, audit=audit, progress=progress
         )
     reporter.document(document, show_build)
+    return PASSED if document["verdict"] == "PASS" else FAILED
+
+
+@app.command()
+def tolerance(
+    spec: Annotated[
+        str, typer.Argument(metavar="SPEC", help=f"A TOML file, a product ({PRODUCT_NAMES}) or a body.")
+    ],
+    output: Output,
+    process: Annotated[
+        str | None,
+        typer.Option(
+            "--process", metavar="NAME", help="How it is made; a name or a file. The spec's if left out."
+        ),
+    ] = None,
+    variants: Annotated[int, typer.Option("--variants", metavar="N", help="How many are judged.")] = 8192,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Of all samples.")] = 0,
+    max_tilt_deg: Annotated[float, typer.Option("--max-tilt-deg", help="Largest angle from the rest.")] = 1.0,
+    rolling_um: Annotated[float, typer.Option("--rolling-um", help="Rolling-resistance length.")] = 1.0,
+    target: Annotated[float, typer.Option("--target", help="Share of the parts that has to be good.")] = 0.95,
+    cross_check: Annotated[
+        int,
+        typer.Option("--cross-check", min=0, max=10_000, help="Variants that are built and judged again."),
+    ] = 12,
+    rows: Annotated[
+        str, typer.Option("--rows", help="Format of the file of variants: csv or parquet.")
+    ] = "csv",
+    answers: Annotated[
+        bool, typer.Option("--answers/--no-answers", help="Look for what to change; takes most of the time.")
+    ] = True,
+    executor: Annotated[
+        str, typer.Option("--executor", metavar="WHERE", help="local, local:4 or dask://HOST:PORT.")
+    ] = "local",
+    force: Force = False,
+    json: AsJson = False,
+    quiet: Quiet = False,
+) -> int:
+    """Tell before machining how likely a made part rights itself, what limits that, and what to change.
+
+    An interrupted study goes on when it is called again in the same way. Exits with 1 when the share of good
+    parts is not surely as high as the target.
+    """
+    from gomboc_cad.tolerance.whole_study import Question, study_tolerances
+
+    question = Question(
+        process=process,
+        variants=variants,
+        seed=seed,
+        max_tilt_deg=max_tilt_deg,
+        rolling_mm=1e-3 * rolling_um,
+        good_share=target,
+        rebuilt=cross_check,
+        rows_format=rows,
+        answers=answers,
+    )
+    reporter = Reporter(json, quiet)
+    with reporter.stages(None) as progress:
+        document = study_tolerances(spec, output, question, executor=executor, force=force, progress=progress)
+    reporter.document(document, show_tolerance)
     return PASSED if document["verdict"] == "PASS" else FAILED
 
 

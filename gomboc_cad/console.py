@@ -11,6 +11,7 @@ from typing import Any
 from gomboc_cad.progress import Progress, silent
 
 _MOST_COEFFICIENTS = 4
+_PERCENTILES = ("p05", "p50", "p95")
 
 
 class Reporter:
@@ -326,3 +327,34 @@ def _files(document: dict[str, Any]) -> Any:
 def _vector(values: list[float], digits: int) -> str:
     # Adding zero turns a rounded −0.0 into 0.0.
     return "(" + ", ".join(f"{round(value, digits) + 0.0:.{digits}f}" for value in values) + ")"
+
+
+def show_tolerance(document: dict[str, Any]) -> None:
+    """A tolerance study: yields, sources, and what to change."""
+    head = f"{document['subject']} by {document['process']}, {document['variants']} variants"
+    facts = _table(f"{head}: {document['verdict']}", "quantity", "value")
+    facts.add_row("one stable rest", _interval(document["yield_monostable"]))
+    facts.add_row(f"good: stops within {document['max_tilt_deg']:g}°", _interval(document["yield_tilt"]))
+    if undecided := document["yield_tilt"]["undecided"]:
+        facts.add_row("undecided, counted as bad", f"{undecided}")
+    for key, name, unit in (("tilt_deg", "tilt", "°"), ("s_margin_mm", "S-margin", " mm")):
+        if (found := document[key]) is not None:
+            facts.add_row(f"{name}: 5, 50, 95 %", ", ".join(f"{found[p]:.3g}" for p in _PERCENTILES) + unit)
+    shares = {entry["source"]: entry["total"]["estimate"] for entry in document["sobol"]}
+    sources = _table("Sources", "source", "size", "share of the tilt's variance, with others")
+    for source in sorted(document["sources"], key=lambda source: -shares[source["name"]]):
+        size = f"{source['size']:.3g} {source['unit']}"
+        sources.add_row(source["text"], size, f"{100.0 * shares[source['name']]:.0f} %")
+    said = [
+        document[key]["sentence"] for key in ("budget_summary", "recommend", "baseline") if key in document
+    ]
+    if "no_answer" in document:
+        said.append(document["no_answer"])
+    checked = document["cross_check"]
+    said.append(f"Built as geometry and judged again: {checked['agreed']} of {checked['rows']} agree.")
+    _print(facts, sources, *_reasons({"reasons": said}))
+
+
+def _interval(share: dict[str, Any]) -> str:
+    estimate, low, high = (100.0 * share[key] for key in ("estimate", "low", "high"))
+    return f"{estimate:.2f} % (surely {low:.2f} to {high:.2f} %)"

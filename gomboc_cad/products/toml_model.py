@@ -148,7 +148,7 @@ def _model_within(annotation: Any) -> type[BaseModel] | None:
 def _suggestion(place: _Place) -> str:
     known = list(place.owner.model_fields) if place.owner else []
     near = difflib.get_close_matches(str(place.keys[-1]), known, n=1)
-    return f", did you mean {near[0]}?" if near else f" (known here: {', '.join(known)})"
+    return f" (did you mean {near[0]}?)" if near else f" (known here: {', '.join(known)})"
 
 
 def allowed_values(field: FieldInfo) -> str:

@@ -52,7 +52,7 @@ def test_the_template_says_every_default_that_the_spec_has() -> None:
         ("wall_mm = 3.0 ", "wall_mm = inf ", "shell.wall_mm = inf is not allowed"),
         ("wall_mm = 3.0 ", 'wall_mm = "3" ', "shell.wall_mm = '3' is not allowed"),
         ("wall_mm = 3.0 ", "wall_mm = true ", "shell.wall_mm = True is not allowed"),
-        ("wall_mm = 3.0 ", "wal_mm = 3.0 ", "unknown key shell.wal_mm, did you mean wall_mm?"),
+        ("wall_mm = 3.0 ", "wal_mm = 3.0 ", "unknown key shell.wal_mm (did you mean wall_mm?)"),
         ("# min_wall_mm = 1.2", "min_wall_mm = 4.0", "min_wall_mm = 4 is more than wall_mm = 3"),
         (
             "diameter_mm = 100.0",
@@ -69,7 +69,7 @@ def test_the_template_says_every_default_that_the_spec_has() -> None:
         ('target = "best"', "target = [1, 2]", "com.target"),
         ('product = "imu-housing"', 'product = "teapot"', "product = 'teapot' is not a product"),
         ('product = "imu-housing"', "", "product = None is not a product"),
-        ("[mesh]", "[mash]", "unknown key mash, did you mean mesh?"),
+        ("[mesh]", "[mash]", "unknown key mash (did you mean mesh?)"),
         ("[shell]", "[shell", "is not valid TOML"),
     ],
 )

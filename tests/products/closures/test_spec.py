@@ -31,7 +31,7 @@ def test_the_kind_decides_which_table_it_is() -> None:
     [
         ({"count": 3}, "the key closure.kind is missing (allowed: dowels, screws, thread-ring, snap, press)"),
         ({"kind": "glue"}, "closure.kind = 'glue' is not allowed (allowed: dowels, screws, thread-ring, "),
-        ({"kind": "screws", "counts": 3}, "unknown key closure.counts, did you mean count?"),
+        ({"kind": "screws", "counts": 3}, "unknown key closure.counts (did you mean count?)"),
         ({"kind": "press", "undercut_mm": 1.0}, "unknown key closure.undercut_mm"),
         ({"kind": "screws", "count": 99}, "closure.count = 99 is not allowed (allowed: from 1 to 12)"),
         (
