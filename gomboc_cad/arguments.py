@@ -10,9 +10,14 @@ import typer
 from gomboc_cad.errors import GombocError
 from gomboc_cad.progress import Progress
 
+PASSED, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+"""Exit codes."""
+
 PRODUCT_NAMES = "imu-housing, seed-pod, buoy"
+DEFAULT_DIAMETER_MM = 100.0
 BodyName = Annotated[
-    str | None, typer.Argument(metavar="[BODY]", help="Catalogue name, for example primary.")
+    str | None,
+    typer.Argument(metavar="[BODY]", help="Catalogue name, for example primary, or a TOML file with [body]."),
 ]
 Subject = Annotated[
     str | None,
@@ -27,7 +32,10 @@ Coefficients = Annotated[
     list[str] | None,
     typer.Option("--coef", metavar="K=A", help="Coefficient k=a, or l,m=c for harmonic; repeatable."),
 ]
-Diameter = Annotated[float, typer.Option("--diameter-mm", help="Nominal diameter 2 R0.")]
+Diameter = Annotated[
+    float | None,
+    typer.Option("--diameter-mm", help="Nominal diameter 2 R0; 100 unless a file says otherwise."),
+]
 ComOption = Annotated[str | None, typer.Option("--com-mm", metavar="X,Y,Z", help="Centre of mass.")]
 Output = Annotated[Path, typer.Option("--output", "-o", help="Folder to write to.")]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite files of the same names.")]
@@ -41,25 +49,28 @@ def chosen_body(
     family: str | None,
     beta: float | None,
     coefficients: list[str] | None,
-    diameter_mm: float,
+    diameter_mm: float | None,
 ) -> Any:
     """Make the body that the options describe."""
     from gomboc_cad.body import make_body
     from gomboc_cad.body.catalogue import named_body
+    from gomboc_cad.products.body_file import load_body
 
     if (name is None) == (family is None):
         raise GombocError("Give either the name of a body (gomboc-cad catalog lists them) or --family.")
-    if not 1.0 <= diameter_mm <= 1e5:
+    if diameter_mm is not None and not 1.0 <= diameter_mm <= 1e5:
         raise GombocError(f"--diameter-mm {diameter_mm:g} is not allowed; choose a size from 1 to 100000 mm.")
     if name is not None:
         if beta is not None or coefficients:
             raise GombocError("--beta and --coef go with --family, not with the name of a body.")
-        return named_body(name, diameter_mm)
+        if name.lower().endswith(".toml"):
+            return load_body(Path(name), diameter_mm)
+        return named_body(name, diameter_mm or DEFAULT_DIAMETER_MM)
     terms = {}
     for text in coefficients or []:
         key, _, value = text.partition("=")
         terms[key.strip()] = numbers("--coef", value, count=1)[0]
-    return make_body(family or "", beta, terms, diameter_mm=diameter_mm)
+    return make_body(family or "", beta, terms, diameter_mm=diameter_mm or DEFAULT_DIAMETER_MM)
 
 
 def chosen_body_and_com(
@@ -67,7 +78,7 @@ def chosen_body_and_com(
     family: str | None,
     beta: float | None,
     coefficients: list[str] | None,
-    diameter_mm: float,
+    diameter_mm: float | None,
     com_mm: str | None,
     progress: Progress,
 ) -> tuple[Any, Any]:
@@ -106,10 +117,10 @@ def exact_decimals(
     name: str | None, family: str | None, beta: float | None, coefficients: list[str] | None
 ) -> Any:
     """The decimals of the body that the options describe, as they were written."""
-    from gomboc_cad.body.catalogue import ExactParameters, exact_parameters
+    from gomboc_cad.body.catalogue import ExactParameters, catalogue_names, exact_parameters
 
-    body = chosen_body(name, family, beta, coefficients, diameter_mm=100.0)
-    return ExactParameters.of(body) if name is None else exact_parameters(name)
+    body = chosen_body(name, family, beta, coefficients, diameter_mm=None)
+    return exact_parameters(body.name) if body.name in catalogue_names() else ExactParameters.of(body)
 
 
 def decimals(option: str, text: str) -> tuple[str, str, str]:
@@ -119,6 +130,15 @@ def decimals(option: str, text: str) -> tuple[str, str, str]:
         raise GombocError(f"{option} needs three decimals X,Y,Z, not {text!r}.")
     x, y, z = parts
     return x, y, z
+
+
+def require_new_toml(path: Path, force: bool) -> None:
+    """Refuse, before a long search, a file that no command would read as a body or that cannot be written."""
+    if path.suffix.lower() != ".toml":
+        raise GombocError(f"{path} must end in .toml.")
+    if not path.absolute().parent.is_dir():
+        raise GombocError(f"The folder of {path} does not exist; make it first.")
+    require_absent(path, force)
 
 
 def require_absent(path: Path, force: bool) -> None:

@@ -11,6 +11,10 @@ import typer
 from typer.exceptions import TyperException
 
 from gomboc_cad.arguments import (
+    BAD_INPUT,
+    FAILED,
+    INTERRUPTED,
+    PASSED,
     PRODUCT_NAMES,
     AsJson,
     Audit,
@@ -42,13 +46,10 @@ from gomboc_cad.console import (
     show_certificate,
     show_check,
     show_drill_map,
-    show_paper,
-    show_tolerance,
     show_zone,
 )
 from gomboc_cad.errors import GombocError, NotConvexError
-
-PASSED, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+from gomboc_cad.long_commands import design, paper, tolerance
 
 app = typer.Typer(
     name="gomboc-cad",
@@ -90,7 +91,7 @@ def census(
     family: FamilyName = None,
     beta: Beta = None,
     coef: Coefficients = None,
-    diameter_mm: Diameter = 100.0,
+    diameter_mm: Diameter = None,
     com_mm: ComOption = None,
     json: AsJson = False,
     quiet: Quiet = False,
@@ -122,7 +123,7 @@ def bare_body(
     family: FamilyName = None,
     beta: Beta = None,
     coef: Coefficients = None,
-    diameter_mm: Diameter = 100.0,
+    diameter_mm: Diameter = None,
     formats: Annotated[str, typer.Option(help="Any of step, stl, 3mf.")] = "step,stl,3mf",
     sag_um: Annotated[float, typer.Option(help="Largest distance of a facet from the true surface.")] = 10.0,
     deviation_um: Annotated[
@@ -251,7 +252,7 @@ def zone(
     family: FamilyName = None,
     beta: Beta = None,
     coef: Coefficients = None,
-    diameter_mm: Diameter = 100.0,
+    diameter_mm: Diameter = None,
     com_mm: ComOption = None,
     output: Annotated[
         Path | None,
@@ -283,7 +284,7 @@ def drillmap(
     family: FamilyName = None,
     beta: Beta = None,
     coef: Coefficients = None,
-    diameter_mm: Diameter = 100.0,
+    diameter_mm: Diameter = None,
     com_mm: ComOption = None,
     output: Annotated[
         Path | None,
@@ -337,83 +338,8 @@ def build(
     return PASSED if document["verdict"] == "PASS" else FAILED
 
 
-@app.command()
-def tolerance(
-    spec: Annotated[
-        str, typer.Argument(metavar="SPEC", help=f"A TOML file, a product ({PRODUCT_NAMES}) or a body.")
-    ],
-    output: Output,
-    process: Annotated[
-        str | None,
-        typer.Option(
-            "--process", metavar="NAME", help="How it is made; a name or a file. The spec's if left out."
-        ),
-    ] = None,
-    variants: Annotated[int, typer.Option("--variants", metavar="N", help="How many are judged.")] = 8192,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Of all samples.")] = 0,
-    max_tilt_deg: Annotated[float, typer.Option("--max-tilt-deg", help="Largest angle from the rest.")] = 1.0,
-    rolling_um: Annotated[float, typer.Option("--rolling-um", help="Rolling-resistance length.")] = 1.0,
-    target: Annotated[float, typer.Option("--target", help="Share of the parts that has to be good.")] = 0.95,
-    cross_check: Annotated[
-        int,
-        typer.Option("--cross-check", min=0, max=10_000, help="Variants that are built and judged again."),
-    ] = 12,
-    rows: Annotated[
-        str, typer.Option("--rows", help="Format of the file of variants: csv or parquet.")
-    ] = "csv",
-    answers: Annotated[
-        bool, typer.Option("--answers/--no-answers", help="Look for what to change; takes most of the time.")
-    ] = True,
-    executor: Annotated[
-        str, typer.Option("--executor", metavar="WHERE", help="local, local:4 or dask://HOST:PORT.")
-    ] = "local",
-    force: Force = False,
-    json: AsJson = False,
-    quiet: Quiet = False,
-) -> int:
-    """Tell before machining how likely a made part rights itself, what limits that, and what to change.
-
-    An interrupted study goes on when it is called again in the same way. Exits with 1 when the share of good
-    parts is not surely as high as the target.
-    """
-    from gomboc_cad.tolerance.whole_study import Question, study_tolerances
-
-    question = Question(
-        process=process,
-        variants=variants,
-        seed=seed,
-        max_tilt_deg=max_tilt_deg,
-        rolling_mm=1e-3 * rolling_um,
-        good_share=target,
-        rebuilt=cross_check,
-        rows_format=rows,
-        answers=answers,
-    )
-    reporter = Reporter(json, quiet)
-    with reporter.stages(None) as progress:
-        document = study_tolerances(spec, output, question, executor=executor, force=force, progress=progress)
-    reporter.document(document, show_tolerance)
-    return PASSED if document["verdict"] == "PASS" else FAILED
-
-
-@app.command()
-def paper(
-    output: Output,
-    only: Annotated[
-        list[str] | None, typer.Option("--only", metavar="TABLE", help="One table; repeatable.")
-    ] = None,
-    force: Force = False,
-    json: AsJson = False,
-    quiet: Quiet = False,
-) -> int:
-    """Reproduce the source paper's tables and figures, and judge each figure by what is true."""
-    from gomboc_cad.paper import write_paper
-
-    reporter = Reporter(json, quiet)
-    with reporter.stages(None) as progress:
-        document = write_paper(output, only or None, force=force, progress=progress)
-    reporter.document(document, show_paper)
-    return PASSED
+for _command in (design, tolerance, paper):
+    app.command()(_command)
 
 
 def main() -> None:

@@ -206,6 +206,33 @@ def show_certificate(document: dict[str, Any]) -> None:
     _print(facts, *_reasons({"reasons": [document["reason"]]}))
 
 
+def show_design(document: dict[str, Any]) -> None:
+    """What `gomboc-cad design` found."""
+    goal = document["goal"]
+    facts = _table(
+        f"{document['family']}, {goal['objective']}: {document['status']}, {document['verdict']}",
+        "quantity",
+        "value",
+    )
+    proven = {
+        key: document[key] and f", above {document[key]} proven" for key in ("com_margin", "curvature_above")
+    }
+    facts.add_row("stable, unstable", f"{document['stable']}, {document['unstable']}")
+    facts.add_row(
+        "COM margin (S, U)",
+        f"{document['s_margin']:.5g}, {document['u_margin']:.5g} R₀{proven['com_margin'] or ''}",
+    )
+    facts.add_row(
+        "smallest principal curvature",
+        f"{document['min_curvature']:.5g} / R₀{proven['curvature_above'] or ''}",
+    )
+    facts.add_row("height range", f"{document['height_range']:.5g} R₀")
+    facts.add_row("soft stiffness of the rest", f"{document['stiffness']:.5g} R₀")
+    facts.add_row("written to", document["file"])
+    facts.add_row("time", f"{document['seconds']:.0f} s")
+    _print(facts, *_reasons(document))
+
+
 def show_zone(document: dict[str, Any]) -> None:
     """The loading zone."""
     facts = _table(

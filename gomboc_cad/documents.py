@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from gomboc_cad.equilibria.certificate import Certificate, Verification
     from gomboc_cad.equilibria.drill_map import DrillLimits, DrillMap
     from gomboc_cad.equilibria.zone import LoadingZone
+    from gomboc_cad.search import Design
     from gomboc_cad.solid.check import PartCheck
     from gomboc_cad.solid.inspect import FileInspection
 
@@ -212,6 +213,35 @@ def verification_document(read: Certificate, checked: Verification, seconds: flo
         document = {key: value if key in known else None for key, value in document.items()}
         document["status"] = "undecided"
     return {**document, "accepted": checked.accepted, "reason": checked.reason}
+
+
+def design_document(made: Design, file: Path, seconds: float) -> dict[str, Any]:
+    """Keys of `gomboc-cad design`; lengths in units of the nominal radius R₀."""
+    certificate, figures = made.certificate, made.figures
+    return {
+        "family": certificate.parameters.family,
+        "beta": certificate.parameters.beta,
+        "coefficients": dict(certificate.parameters.coefficients),
+        "goal": {
+            "objective": made.goal.objective,
+            "min_curvature": made.goal.min_curvature,
+            "min_margin": made.goal.min_margin,
+        },
+        "file": str(file),
+        "status": certificate.status,
+        "stable": made.census.stable,
+        "unstable": made.census.unstable,
+        "s_margin": figures.s_margin,
+        "u_margin": figures.u_margin,
+        "min_curvature": figures.min_curvature,
+        "height_range": figures.height_range,
+        "stiffness": figures.stiffness,
+        "curvature_above": certificate.convexity.curvature_above if certificate.convexity else None,
+        "com_margin": certificate.margin.com_margin if certificate.margin else None,
+        "seconds": seconds,
+        "verdict": "PASS" if made.accepted else "FAIL",
+        "reasons": list(made.reasons),
+    }
 
 
 def zone_document(zone: LoadingZone, files: tuple[Path, ...]) -> dict[str, Any]:

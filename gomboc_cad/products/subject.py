@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from gomboc_cad.body import Body, mass_properties
 from gomboc_cad.body.catalogue import named_body
 from gomboc_cad.equilibria.records import Vector
+from gomboc_cad.products.body_file import is_body_file, load_body
 from gomboc_cad.products.spec import PRODUCTS
 from gomboc_cad.progress import Progress, silent
 
@@ -13,21 +16,21 @@ DESIGN_STAGES = 4
 
 
 def is_spec(name: str) -> bool:
-    """Whether a name stands for a spec (a product or a TOML file) and not for a body of the catalogue."""
-    return name in PRODUCTS or name.lower().endswith(".toml")
+    """Whether a name stands for a spec (a product or a TOML file of one) and not for a body."""
+    return name in PRODUCTS or (name.lower().endswith(".toml") and not is_body_file(name))
 
 
 def body_and_com(subject: str | Body, progress: Progress = silent) -> tuple[Body, Vector]:
     """Give the outer body and the centre of mass in mm that an analysis starts from.
 
     Args:
-        subject: A body or the name of one, which stand for the homogeneous solid; or a product or the path of
-            a spec, whose parts are designed and weighed.
+        subject: A body, or the name or file of one, which stand for the homogeneous solid; or a product or
+            the path of a spec, whose parts are designed and weighed.
         progress: Called with the name of each stage of the design as it begins.
 
     Raises:
         BodyError: If there is no body of that name.
-        SpecError: If the spec is wrong.
+        SpecError: If the spec or the file is wrong.
         GeometryError: If the product cannot be made.
     """
     if isinstance(subject, str) and is_spec(subject):
@@ -37,5 +40,8 @@ def body_and_com(subject: str | Body, progress: Progress = silent) -> tuple[Body
 
         design = design_product(load_spec(subject), spec_path(subject).parent, progress)
         return design.body, design.assembly.com_mm
-    body = named_body(subject) if isinstance(subject, str) else subject
+    if isinstance(subject, Body):
+        body = subject
+    else:
+        body = load_body(Path(subject)) if is_body_file(subject) else named_body(subject)
     return body, mass_properties(body).com_mm

@@ -22,14 +22,13 @@ from gomboc_cad.tolerance.made_bodies import MadeBodies
 from gomboc_cad.tolerance.opening_rests import OpeningCensus, nominal_rim_direction
 from gomboc_cad.tolerance.s_margin import s_margins_mm
 from gomboc_cad.tolerance.screening import Changes, Screened, screen
+from gomboc_cad.tolerance.seam_line import SeamLine, seam_line
 from gomboc_cad.tolerance.seam_rests import (
     Edge,
-    SeamLine,
     edge_margins_mm,
     edge_rests,
     edges,
     rim_heights_mm,
-    seam_line,
 )
 from gomboc_cad.tolerance.support_grid import SupportGrid, support_grid
 from gomboc_cad.tolerance.variants import (

@@ -12,7 +12,13 @@ import numpy as np
 from gomboc_cad.body.sphere import Array, BoolArray, IntArray
 from gomboc_cad.tolerance.made_bodies import MadeBodies, Slopes
 
-_STEPS = 4
+_STEPS = 5
+_FOLLOWED = 2
+"""Places from which the search goes on."""
+
+_TURN = 0.02
+"""Angle in radians by which a start may be off the bottom of its valley."""
+
 _DIFFERENCE = 1e-5
 _LONGEST_STEP = 0.1
 _DAMPING = 1e-4
@@ -32,9 +38,26 @@ def s_margins_mm(bodies: MadeBodies, rows: IntArray, starts: Array, upper: BoolA
         Shape (k,).
     """
     count = starts.shape[1]
-    row = np.repeat(rows, count)
-    best = _nearest_focal_point_mm(bodies, row, starts.reshape(-1, 3), upper.ravel())
-    result: Array = best.reshape(-1, count).min(axis=1)
+    here = bodies.slopes(np.repeat(rows, count), starts.reshape(-1, 3), upper.ravel())
+    order = np.argsort(_promise(here).reshape(-1, count), axis=1, kind="stable")[:, :_FOLLOWED]
+    line = np.arange(len(rows))[:, None]
+    start, side = starts[line, order].reshape(-1, 3), upper[line, order].ravel()
+    best = _nearest_focal_point_mm(bodies, np.repeat(rows, _FOLLOWED), start, side)
+    result: Array = best.reshape(-1, _FOLLOWED).min(axis=1)
+    return result
+
+
+def _promise(slopes: Slopes) -> Array:
+    """Square of the distance of a focal point that is expected on the bottom of the valley nearby, (n,)."""
+    g1, g2 = slopes.slope
+    h11, h12, h22 = slopes.hessian
+    soft, stiff = slopes.stiffness()
+    angle = 0.5 * np.arctan2(h12, 0.5 * (h11 - h22))
+    x, y = np.cos(angle), np.sin(angle)
+    along, across = x * g2 - y * g1, np.abs(x * g1 + y * g2)
+    # What a small turn along the stiff direction takes away does not count.
+    left = np.maximum(across - _TURN * np.abs(stiff), 0.0)
+    result: Array = along**2 + left**2 + soft**2
     return result
 
 

@@ -24,11 +24,14 @@ from gomboc_cad.tolerance.variants import Nominal, Variants
 _ROWS = 64
 """Variants at a time: their arrays fit into the cache. Fixed, so that every row is multiplied alike."""
 
-STARTS = 3
+STARTS = 8
 """Places from which the S-margin is looked for."""
 
 _APART = np.cos(np.radians(12.0))
 """Starts of the search for the S-margin are farther apart than this angle, whose cosine it is."""
+
+_MUCH_FARTHER = 12.0
+"""A nominal focal point that is so many times as far as the nearest one is not made the nearest one."""
 
 _ROUNDING = 1e-6
 """Relative rounding error of the matrix products, which are in single precision."""
@@ -148,7 +151,7 @@ def screen(grid: SupportGrid, changes: Changes) -> Screened:
 
 def _screened(grid: SupportGrid, changes: Changes) -> Iterator[Screened]:
     flat = grid.linear.reshape(len(grid.linear), -1)
-    allowed = _allowed_rows(grid)
+    allowed, worth = _allowed_rows(grid), _worth_a_start(grid)
     for first in range(0, len(changes.coordinates), _ROWS):
         part = changes.part(slice(first, first + _ROWS))
         jets = (part.coordinates @ flat).reshape(_ROWS, 5, -1)
@@ -163,7 +166,7 @@ def _screened(grid: SupportGrid, changes: Changes) -> Iterator[Screened]:
         # In a cell at the seam the upper part has slopes of its own, which the expansion only brackets.
         seam = (grid.upper[cell] == 0.5) & (part.shift_mm[row] > 0.0)
         undecided, rests = undecided | (seam & ~cells.never()), rests & ~seam
-        start, start_cell = _starts(grid, jets)
+        start, start_cell = _starts(grid, jets, worth)
         yield Screened(
             row=row[rests] + first,
             place=_places(grid, cell[rests], place[rests]),
@@ -210,13 +213,38 @@ def _places(grid: SupportGrid, cells: IntArray, offset: Array) -> Array:
     return result
 
 
-def _starts(grid: SupportGrid, jets: NDArray[np.float32]) -> tuple[Array, IntArray]:
+def _starts(grid: SupportGrid, jets: NDArray[np.float32], worth: IntArray) -> tuple[Array, IntArray]:
     """The places, apart from each other, where a focal point seems nearest to the COM, and their cells.
+
+    Args:
+        grid: The cells.
+        jets: Slopes and Hessians of variants, shape (n, 5, m).
+        worth: Cells that are looked at.
+    """
+    distance = _focal_squares(grid, jets[:, :, worth], worth)
+    centers = grid.centers[worth]
+    places, cells = [], []
+    for _ in range(STARTS):
+        nearest = distance.argmin(axis=1)
+        cells.append(worth[nearest])
+        places.append(_floor_places(grid, jets, cells[-1]))
+        distance[(centers @ centers[nearest].T).T > _APART] = np.inf
+    return np.stack(places, axis=1), np.stack(cells, axis=1)
+
+
+def _worth_a_start(grid: SupportGrid) -> IntArray:
+    """Cells in which a focal point of the nominal body is not much farther than the nearest one."""
+    squares = _focal_squares(grid, grid.linear[-1][None], np.arange(len(grid)))[0]
+    return np.flatnonzero(squares <= _MUCH_FARTHER**2 * squares.min())
+
+
+def _focal_squares(grid: SupportGrid, jets: NDArray[np.float32], cells: IntArray) -> NDArray[np.float32]:
+    """Squares of the distances of focal points in cells from the COM, for jets (n, 5, k), shape (n, k).
 
     A cell stands for the bottom of a valley that passes near its centre: across the valley, along the stiff
     direction, a slope counts as far only as it does not vanish within reach.
     """
-    kappa, reach = grid.curvature_per_mm.astype(np.float32), grid.reach_mm.astype(np.float32)
+    kappa, reach = grid.curvature_per_mm[cells].astype(np.float32), grid.reach_mm[cells].astype(np.float32)
     g1, g2 = jets[:, 0], jets[:, 1]
     h11, h12, h22 = (jets[:, 2 + k] * (1.0 / (kappa[:, k // 2] * reach)) for k in range(3))
     half, mean = 0.5 * (h11 - h22), 0.5 * (h11 + h22)
@@ -226,14 +254,10 @@ def _starts(grid: SupportGrid, jets: NDArray[np.float32]) -> tuple[Array, IntArr
     stiff = np.sqrt(np.maximum(0.5 * (squares + turned), np.float32(0.0)))
     stiff -= np.float32(_FLOOR_REACH) * kappa[:, 1] * reach * np.abs(mean + spread)
     np.maximum(stiff, np.float32(0.0), out=stiff)
-    distance = np.maximum(0.5 * (squares - turned), np.float32(0.0)) + stiff * stiff + (mean - spread) ** 2
-    places, cells = [], []
-    for _ in range(STARTS):
-        cell = distance.argmin(axis=1)
-        cells.append(cell)
-        places.append(_floor_places(grid, jets, cell))
-        distance[(grid.centers @ grid.centers[cell].T).T > _APART] = np.inf
-    return np.stack(places, axis=1), np.stack(cells, axis=1)
+    result: NDArray[np.float32] = (
+        np.maximum(0.5 * (squares - turned), np.float32(0.0)) + stiff * stiff + (mean - spread) ** 2
+    )
+    return result
 
 
 def _floor_places(grid: SupportGrid, jets: NDArray[np.float32], cell: IntArray) -> Array:

@@ -15,28 +15,18 @@ are then found exactly.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from gomboc_cad.body import Body
-from gomboc_cad.body.sphere import Array, BoolArray, IntArray, tangent_frame, unit
-from gomboc_cad.equilibria.rim import mouths_mm
+from gomboc_cad.body.sphere import Array, BoolArray, IntArray, unit
 from gomboc_cad.tolerance.made_bodies import MadeBodies
 from gomboc_cad.tolerance.screening import Changes
-from gomboc_cad.tolerance.support_grid import SurfaceFrames, linear_jets
-from gomboc_cad.tolerance.variants import SeamPlane
+from gomboc_cad.tolerance.seam_line import RimPoints, SeamLine, scalar_products
 
-_STATIONS = 360
 _ROWS = 64
 _SLACK = 0.15
 """How far outside of the two touching points the foot may be to be looked at, in their distance."""
-
-_RIM_STEPS = 8
-_FEW_RIM_STEPS = 4
-"""Steps to a point of the rim from its station, and from where it was a moment ago."""
 
 _STEPS = 16
 _REFRESHED = 2
@@ -76,42 +66,6 @@ class EdgeRests(NamedTuple):
     undecided: BoolArray
 
 
-@dataclass(frozen=True, eq=False)
-class SeamLine:
-    """Stations along the seam of the nominal body, in order around the upward normal of its plane.
-
-    Attributes:
-        plane: The parting plane.
-        directions: Surface parameters w, shape (m, 3).
-        frames: Surface there; first tangent vector along the seam, second one across it and upwards.
-        linear: Slope and Hessian for each coordinate of a variant, float32, shape (D, 5, m).
-    """
-
-    plane: SeamPlane
-    directions: Array
-    frames: SurfaceFrames
-    linear: NDArray[np.float32]
-
-
-@lru_cache(maxsize=4)
-def seam_line(body: Body, com_mm: tuple[float, float, float], plane: SeamPlane, degree: int) -> SeamLine:
-    """Stations along the seam, at equal angles about the point of the plane that is nearest to the origin.
-
-    Raises:
-        ValueError: If that point is not inside the body.
-    """
-    normal = np.array(plane.normal)
-    middle = float(normal @ np.array(plane.origin_mm)) * normal
-    angles = 2.0 * np.pi * np.arange(_STATIONS) / _STATIONS
-    first = tangent_frame(normal[None])[0]
-    second = np.cross(normal, first)
-    rays = np.cos(angles)[:, None] * first + np.sin(angles)[:, None] * second
-    directions = unit(mouths_mm(body, middle, rays))
-    frames = SurfaceFrames.at(body, directions, np.array(com_mm)).along(normal)
-    linear = linear_jets(frames, np.zeros(_STATIONS), degree)
-    return SeamLine(plane, directions, frames, linear.astype(np.float32))
-
-
 class Edge(NamedTuple):
     """Where both halves touch, to second order, for n variants at m stations, all (n, m).
 
@@ -139,7 +93,7 @@ def edges(line: SeamLine, changes: Changes) -> Edge:
     shift = changes.upper_shift_mm
     frames = line.frames
     out, tau, nu = (
-        _products(shift, vectors) for vectors in (frames.normal, *frames.frame.transpose(1, 0, 2))
+        scalar_products(shift, vectors) for vectors in (frames.normal, *frames.frame.transpose(1, 0, 2))
     )
     height = frames.height
     radius = h22 + height
@@ -200,16 +154,8 @@ def rim_heights_mm(
         normals: Normals v of the part before it is stretched, shape (k, 3).
         upper: Whether the rim is that of the displaced half, shape (k,).
     """
-    rim = _RimPoints.farthest(line, bodies, row, normals, upper)
+    rim = RimPoints.farthest(line, bodies, row, normals, upper)
     result: Array = (rim.arm * rim.normal).sum(axis=0)
-    return result
-
-
-def _products(vectors: Array, others: Array) -> Array:
-    """Scalar products of vectors (n, 3) and others (m, 3), added up in one order for all, shape (n, m)."""
-    x, y, z = vectors.T
-    a, b, c = others.T
-    result: Array = x[:, None] * a + y[:, None] * b + z[:, None] * c
     return result
 
 
@@ -223,58 +169,6 @@ def _candidates(edge: Edge, shift_mm: Array, noise_mm: float) -> tuple[IntArray,
     row, station = np.nonzero(rising)
     nearer = np.abs(there[row, station]) < np.abs(here[row, station])
     return row, (station + nearer) % edge.along.shape[1]
-
-
-@dataclass(frozen=True, eq=False)
-class _RimPoints:
-    """Points of rims that are farthest along given directions.
-
-    Attributes:
-        direction: Their surface parameters w, shape (k, 3).
-        arm: From the COM to them, as made, shape (3, k).
-        normal: The given directions as made, shape (3, k).
-    """
-
-    direction: Array
-    arm: Array
-    normal: Array
-
-    @classmethod
-    def farthest(
-        cls,
-        line: SeamLine,
-        bodies: MadeBodies,
-        row: IntArray,
-        normals: Array,
-        upper: BoolArray,
-        start: Array | None = None,
-    ) -> _RimPoints:
-        """Points of the rims of halves that are farthest along normals v (k, 3) before the stretch.
-
-        There the surface normal lies in the plane of the given one and of the parting. The steps are Newton's
-        but for the form error, whose curvature is left out.
-        """
-        m, origin = np.array(line.plane.normal), np.array(line.plane.origin_mm)
-        steps = _RIM_STEPS if start is None else _FEW_RIM_STEPS
-        direction = start
-        if direction is None:
-            direction = line.directions[_products(normals, line.frames.position).argmax(axis=1)]
-        side = np.cross(m, normals)
-        for _ in range(steps):
-            surface = bodies.body.surface(direction)
-            one, two = surface.tangents.transpose(1, 0, 2)
-            form = bodies.form.jets(row, surface.normal, surface.tangents)[:3, :, None]
-            point = surface.position_mm + form[0] * surface.normal + form[1] * one + form[2] * two
-            above = ((point - origin) * m).sum(axis=1)
-            askew = (surface.normal * side).sum(axis=1)
-            z1, z2 = (one * m).sum(axis=1), (two * m).sum(axis=1)
-            s1, s2 = (one * side).sum(axis=1), (two * side).sum(axis=1)
-            k = surface.shape_operator_per_mm
-            t1, t2 = k[:, 0, 0] * s1 + k[:, 1, 0] * s2, k[:, 0, 1] * s1 + k[:, 1, 1] * s2
-            determinant = z1 * t2 - z2 * t1
-            x1, x2 = (z2 * askew - t2 * above) / determinant, (t1 * above - z1 * askew) / determinant
-            direction = unit(surface.position_mm + x1[:, None] * one + x2[:, None] * two)
-        return cls(direction, *bodies.arms(row, point, normals, upper))
 
 
 @dataclass(eq=False)
@@ -359,7 +253,7 @@ class _EdgeSearch:
     def _state(self, direction: Array, rim_direction: Array | None) -> _EdgeState:
         slopes = self.bodies.slopes(self.row, direction, self.smooth_upper)
         v = self.bodies.body.normal(direction)
-        rim = _RimPoints.farthest(self.line, self.bodies, self.row, v, ~self.smooth_upper, rim_direction)
+        rim = RimPoints.farthest(self.line, self.bodies, self.row, v, ~self.smooth_upper, rim_direction)
         height = (rim.arm * rim.normal).sum(axis=0)
         return _EdgeState(
             place=slopes.place,

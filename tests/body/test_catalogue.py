@@ -30,6 +30,11 @@ PROVEN = [
     "second-convex",
     "third-convex",
     "tolerant-1",
+    "tolerant-2",
+    "tolerant-k05",
+    "tolerant-k10",
+    "extended-k05",
+    "stiff-k05",
 ]
 REFUTED = ["second", "third"]
 
@@ -52,15 +57,21 @@ def test_the_primary_carries_the_full_precision_coefficients() -> None:
     assert entry.body.shape == FourierSloan(0.023149, ((1, 0.234433),))
 
 
-def test_the_most_tolerant_body_has_more_than_twice_the_margin_of_the_primary() -> None:
+@pytest.mark.parametrize(("name", "times"), [("tolerant-1", 2.0), ("tolerant-2", 3.0), ("tolerant-k10", 3.0)])
+def test_the_tolerant_bodies_have_a_multiple_of_the_margin_of_the_primary(name: str, times: float) -> None:
     entries = catalogue_entries()
-    tolerant, primary = entries["tolerant-1"], entries["primary"]
+    tolerant, primary = entries[name], entries["primary"]
     assert tolerant.beta is None
     assert isinstance(tolerant.body.shape, Harmonic)
     assert mass_properties(tolerant.body).com_mm == pytest.approx((0.0, 0.0, 0.0), abs=1e-13)
     assert tolerant.evidence.margin is not None
     assert primary.evidence.margin is not None
-    assert tolerant.evidence.margin > 2.0 * primary.evidence.margin
+    assert tolerant.evidence.margin > times * primary.evidence.margin
+
+
+def test_the_stiff_body_rests_far_more_firmly_than_the_primary() -> None:
+    softest = [min(smooth_census(named_body(name)).rest.stiffness_mm) for name in ("stiff-k05", "primary")]
+    assert softest[0] > 30.0 * softest[1]
 
 
 @pytest.fixture
