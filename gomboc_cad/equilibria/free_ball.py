@@ -18,13 +18,15 @@ from gomboc_cad.body.sphere import Array, BoolArray, geodesic_triangulation
 from gomboc_cad.body.support import depth_mm
 from gomboc_cad.body.surface import Body
 from gomboc_cad.equilibria.focal import image_samples
-from gomboc_cad.equilibria.margin import com_margin, focal_points_mm
+from gomboc_cad.equilibria.margin import focal_points_mm, s_margin_mm
 
 _REACH = 1.5
 _FINENESS = (12.0, 48.0)
 _ACCURACY = 1e-3
 _SAME = 1e-9
 _COARSER = 1.0 / 3.0
+_LEAF = 32
+"""Samples in a leaf of the search tree: the fastest of 8 to 32."""
 
 
 class Walls:
@@ -34,9 +36,12 @@ class Walls:
         self.body = body
         sheet = image_samples(lambda u: focal_points_mm(body, u, 0), spacing_mm)
         surface = image_samples(body.position_mm, spacing_mm)
-        self.samples_mm = np.concatenate([sheet, surface])
-        self.on_sheet = np.arange(len(self.samples_mm)) < len(sheet)
-        self.tree = cKDTree(self.samples_mm)
+        samples = np.concatenate([sheet, surface])
+        # Samples side by side in space are side by side in memory too, which halves the time of a query.
+        order = cKDTree(samples).indices
+        self.samples_mm = samples[order]
+        self.on_sheet = order < len(sheet)
+        self.tree = cKDTree(self.samples_mm, leafsize=_LEAF)
 
     def distance_mm(self, points_mm: Array, up_to_mm: float = np.inf) -> Array:
         """Distance to the nearest sample, infinite beyond `up_to_mm`, shape (n,)."""
@@ -75,7 +80,7 @@ class Surroundings(NamedTuple):
 
 def room_mm(body: Body, center_mm: Array) -> float:
     """Distance to the sheet or to the surface, whichever is nearer."""
-    return min(com_margin(body, center_mm).s_margin_mm, float(depth_mm(body, center_mm)[0]))
+    return min(s_margin_mm(body, center_mm), float(depth_mm(body, center_mm)[0]))
 
 
 def best_place(body: Body, center_mm: Array, radius_mm: float) -> Array:
@@ -172,5 +177,7 @@ def _nearest_by_direction(arms: Array) -> tuple[Array, Array]:
     length = np.linalg.norm(arms, axis=1)
     order = np.argsort(length, kind="stable")
     normal = arms[order] / length[order, None]
-    _, first = np.unique(np.round(12.0 * normal).astype(np.int64), axis=0, return_index=True)
+    # One number for each direction, because sorting rows takes ten times as long.
+    key = np.round(12.0 * normal).astype(np.int64) @ [10_000, 100, 1]
+    _, first = np.unique(key, return_index=True)
     return length[order][first], normal[first]

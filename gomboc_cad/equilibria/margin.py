@@ -52,6 +52,22 @@ def com_margin(body: Body, com_mm: Sequence[float] | Array) -> Margin:
     return Margin(min(s_margin, u_margin), s_margin, u_margin, as_vector(s_witness), as_vector(u_witness))
 
 
+def s_margin_mm(body: Body, com_mm: Sequence[float] | Array) -> float:
+    """Find how far the COM may move before S changes: the S-margin of `com_margin`, in half its time.
+
+    Args:
+        body: A strictly convex body.
+        com_mm: Centre of mass, shape (3,).
+
+    Raises:
+        NotConvexError: If the body is not strictly convex.
+        CensusError: If the COM is not three finite numbers.
+    """
+    center = as_point(com_mm)
+    require_strictly_convex(body)
+    return float(np.linalg.norm(_nearest_focal_point(body, center, 0) - center))
+
+
 def _nearest_focal_point(body: Body, com_mm: Array, sheet: int) -> Array:
     def distance(directions: Array) -> Array:
         result: Array = np.linalg.norm(focal_points_mm(body, directions, sheet) - com_mm, axis=1)

@@ -26,7 +26,7 @@ from gomboc_cad.body.support import depth_mm
 from gomboc_cad.body.surface import Body
 from gomboc_cad.equilibria.convexity import as_point
 from gomboc_cad.equilibria.free_ball import Walls, best_place, grown, room_mm
-from gomboc_cad.equilibria.margin import com_margin
+from gomboc_cad.equilibria.margin import s_margin_mm
 from gomboc_cad.equilibria.octree import Octree, boundary
 from gomboc_cad.equilibria.records import Vector, as_vector
 from gomboc_cad.equilibria.smooth import find_equilibria
@@ -216,7 +216,7 @@ def _margin_in_zone(body: Body, center: Array) -> float:
             f"The body has {rests} stable rests about the centre of mass ({place}) mm, so it is in no "
             "loading zone; give one nearer to the homogeneous centroid or to the rest point."
         )
-    margin = com_margin(body, center).s_margin_mm
+    margin = s_margin_mm(body, center)
     if margin < _SMALLEST_MARGIN * body.radius_mm:
         raise CensusError(
             f"The centre of mass ({place}) mm is at the edge of its loading zone (S-margin {margin:.3g} mm), "

@@ -21,7 +21,7 @@ from OCP.gp import gp_Pnt2d
 from OCP.TopAbs import TopAbs_State
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS_Face
-from scipy.spatial import ConvexHull
+from scipy.spatial import ConvexHull, cKDTree
 
 from gomboc_cad.body.sphere import Array, BoolArray, IntArray
 from gomboc_cad.errors import GeometryError
@@ -171,15 +171,23 @@ class SurfaceSampler:
     def _drop_buried(self, edges: Array) -> None:
         """Forget triangles so deep inside the hull that no refinement brings them to it."""
         points = np.concatenate([self._kept, edges])
-        planes = ConvexHull(points).equations
-        corners = self._triangles.corners.reshape(-1, 3)
-        if len(planes) * len(corners) > _MAX_DEPTH_PRODUCT:
+        hull = ConvexHull(points)
+        planes, corners = hull.equations, self._triangles.corners
+        if len(planes) * 3 * len(corners) > _MAX_DEPTH_PRODUCT:
             return
+        # A triangle with a corner of the hull is not under it; on most parts few are left to be looked at.
+        gaps = np.asarray(cKDTree(points[hull.vertices]).query(corners)[0])
+        inner = np.flatnonzero(gaps.min(axis=1) > 0.0)
         over = np.concatenate(
-            [(block @ planes[:, :3].T + planes[:, 3]).max(axis=1) for block in np.array_split(corners, 64)]
+            [
+                (block @ planes[:, :3].T + planes[:, 3]).max(axis=1)
+                for block in np.array_split(corners[inner].reshape(-1, 3), 64)
+            ]
         )
-        buried = over.reshape(-1, 3).max(axis=1) < -2.0 * self._triangles.sag - 1e-6 * self.size_mm
-        self._triangles = self._triangles.chosen(~buried)
+        deep = over.reshape(-1, 3).max(axis=1) < -2.0 * self._triangles.sag[inner] - 1e-6 * self.size_mm
+        kept = np.ones(len(corners), dtype=bool)
+        kept[inner[deep]] = False
+        self._triangles = self._triangles.chosen(kept)
 
     def _split(self, parents: _Triangles) -> _Triangles:
         """Cut each triangle into four at the middles of its sides."""

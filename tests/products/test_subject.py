@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
 import pytest
 
 from gomboc_cad.body import catalog, mass_properties
 from gomboc_cad.errors import BodyError, SpecError
-from gomboc_cad.products.imu_housing.recipe import HousingDesign
 from gomboc_cad.products.subject import body_and_com, is_spec
 
 
@@ -18,11 +21,14 @@ def test_a_body_comes_with_its_homogeneous_centroid() -> None:
     assert com == pytest.approx((-0.134778477, 0.0, 0.0), abs=1e-8)
 
 
-def test_a_product_comes_with_the_com_of_its_assembly(default_housing: HousingDesign) -> None:
+def test_a_product_comes_with_the_com_of_its_assembly(template_with: Callable[..., Path]) -> None:
+    """That is on its target, far from the centroid of the body."""
     stages: list[str] = []
-    body, com = body_and_com("imu-housing", stages.append)
-    assert body.radius_mm == default_housing.body.radius_mm
-    assert com == pytest.approx(default_housing.assembly.com_mm, abs=1e-9)
+    spec = template_with(("diameter_mm = 100.0", "diameter_mm = 90.0"), ('"best" ', "[-0.4, 0.0, 0.0] "))
+    body, com = body_and_com(str(spec), stages.append)
+    assert body.diameter_mm == 90.0
+    assert com == pytest.approx((-0.4, 0.0, 0.0), abs=1e-4)
+    assert np.linalg.norm(np.subtract(com, mass_properties(body).com_mm)) > 0.2
     assert stages
 
 

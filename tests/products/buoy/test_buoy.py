@@ -286,12 +286,13 @@ def test_a_users_own_battery_beside_the_spec_is_used(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_gap_and_step_of_the_seam_move_the_upper_half_with_what_is_screwed_into_it() -> None:
-    flush = design_buoy(spec_with())
+def test_gap_and_step_of_the_seam_move_the_upper_half_with_what_is_screwed_into_it(
+    buoy: ProductDesign,
+) -> None:
     apart = design_buoy(spec_with(split={"gap_mm": 0.5, "step_mm": [0.2, 0.0]}))
     moved = {
-        name: np.subtract(part(apart, name).com_mm, part(flush, name).com_mm)
-        - np.subtract(apart.placement.core_shift_mm, flush.placement.core_shift_mm)
+        name: np.subtract(part(apart, name).com_mm, part(buoy, name).com_mm)
+        - np.subtract(apart.placement.core_shift_mm, buoy.placement.core_shift_mm)
         for name in ("closure-screw-1", "closure-insert-1", "battery")
     }
     lift = apart.frame.point(0.2, 0.0, 0.5)

@@ -15,12 +15,9 @@ from gomboc_cad.errors import SpecError
 from gomboc_cad.products.build import build_product
 from gomboc_cad.products.imu_housing.boards import Board, board_names, load_board
 from gomboc_cad.products.imu_housing.layout import HousingContents, lay_out
-from gomboc_cad.products.imu_housing.recipe import design_imu_housing
 from gomboc_cad.products.imu_housing.spec import ImuHousingSpec
 from gomboc_cad.products.placing.com_placement import com_target
-from gomboc_cad.products.spec import load_spec
 from gomboc_cad.products.toml_model import parse_model
-from gomboc_cad.products.verdict import judge
 from gomboc_cad.resources import template_folder
 
 Template = Callable[..., Path]
@@ -91,15 +88,6 @@ def test_a_board_fits_the_default_housing(name: str) -> None:
     body = spec.body.body()
     layout = lay_out(spec, body, com_target("best", body), HousingContents.of(spec), least_wall_mm=1.2)
     assert len(layout.hole_places_mm) == 4
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", board_names())
-def test_a_housing_with_each_board_rights_itself(template_with: Template, name: str) -> None:
-    path = template_with(('type = "adafruit-bno055"', f'type = "{name}"'))
-    housing = design_imu_housing(load_spec(str(path)), path.parent)
-    assert housing.assembly.com_residual_um < 0.1
-    assert judge(housing.body, housing.assembly.com_mm).passed
 
 
 def test_axes_may_have_any_length_and_are_made_right_handed() -> None:

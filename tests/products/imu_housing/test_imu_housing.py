@@ -13,6 +13,7 @@ import pytest
 from gomboc_cad.body import depth_mm, mass_properties
 from gomboc_cad.errors import GeometryError, GombocError, SpecError
 from gomboc_cad.products.assembly import center_of_mass
+from gomboc_cad.products.imu_housing.boards import board_names
 from gomboc_cad.products.imu_housing.layout import HousingContents
 from gomboc_cad.products.imu_housing.parts import LOWER, UPPER
 from gomboc_cad.products.imu_housing.recipe import HousingDesign, design_imu_housing
@@ -135,27 +136,47 @@ def test_only_the_error_across_the_vertical_tilts(default_housing: HousingDesign
     assert tilt_from_com_error_deg(rest, (x, y, z)) == pytest.approx(rest.tilt_deg_per_um[0])
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
-        ('"best" ', '"centroid" '),
-        ('"best" ', "[-1.0, 0.0, 0.0] "),
-        ('"best" ', "[-0.2, -0.05, 0.04] "),
-        ("diameter_mm = 100.0", "diameter_mm = 60.0"),
-        ("diameter_mm = 100.0", "diameter_mm = 250.0"),
-        ("seat_mm = 10.0", "seat_mm = 40.0"),
+Change = tuple[str, str]
+
+
+def target(value: str) -> Change:
+    return '"best" ', value
+
+
+def diameter(value: float) -> Change:
+    return "diameter_mm = 100.0", f"diameter_mm = {value}"
+
+
+def on(board: str) -> Change:
+    return 'type = "adafruit-bno055"', f'type = "{board}"'
+
+
+# Several changes in one housing, where they have nothing to do with each other.
+CHANGES: list[tuple[Change, ...]] = [
+    (target('"centroid" '), ('material = "PLA"', 'material = "aluminium"'), on("adafruit-mpu6050")),
+    (target("[-1.0, 0.0, 0.0] "), diameter(250.0), on("sparkfun-icm20948")),
+    (target("[-0.2, -0.05, 0.04] "), ("angle_deg = 0.0", "angle_deg = 37.0"), on("adafruit-lsm6ds3tr-c")),
+    (diameter(60.0),),
+    (("seat_mm = 10.0", "seat_mm = 40.0"), ('name = "primary"', 'name = "sloan2-0.030"')),
+    (
         ("cavity floor\noffset_mm = [0.0, 0.0]", "cavity floor\noffset_mm = [8.0, -5.0]"),
         ("height_mm = 0.0", "height_mm = -20.0"),
-        ("angle_deg = 0.0", "angle_deg = 37.0"),
-        ('material = "PLA"', 'material = "aluminium"'),
-        ('name = "primary"', 'name = "sloan2-0.030"'),
-    ],
-)
+        on("adafruit-icm20948"),
+    ),
+]
+
+
+@pytest.mark.parametrize("changes", CHANGES)
 @pytest.mark.slow
-def test_the_target_is_met_whatever_is_changed(template_with: Template, change: tuple[str, str]) -> None:
-    housing = design(template_with(change))
+def test_the_target_is_met_whatever_is_changed(template_with: Template, changes: tuple[Change, ...]) -> None:
+    housing = design(template_with(*changes))
     assert housing.assembly.com_residual_um < 0.1
     assert judge(housing.body, housing.assembly.com_mm).passed
+
+
+def test_every_board_is_in_one_of_these_housings_or_in_that_of_the_template() -> None:
+    changes = {change for changes in CHANGES for change in changes}
+    assert {name for name in board_names() if on(name) not in changes} == {"adafruit-bno055"}
 
 
 @pytest.mark.slow
