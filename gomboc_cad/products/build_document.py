@@ -106,7 +106,11 @@ def _reasons(found: BuildRecord) -> list[str]:
         design.placement.sentence,
         # All of a group have the same sentence.
         *dict.fromkeys(opening.sentence for opening in design.openings),
-        *(_said(item, verdict) for item in design.uncertainties if verdict.s_margin_mm is not None),
+        *(
+            uncertainty_sentence(item, verdict)
+            for item in design.uncertainties
+            if verdict.s_margin_mm is not None
+        ),
         *found.made.notes,
         *design.notes,
     ]
@@ -116,7 +120,8 @@ def _com_error_um(item: Uncertainty) -> float:
     return 1e3 * float(np.linalg.norm(item.com_error_mm))
 
 
-def _said(item: Uncertainty, verdict: Verdict) -> str:
+def uncertainty_sentence(item: Uncertainty, verdict: Verdict) -> str:
+    """What an uncertainty does to a product that has a rest, and what to do about it if that is too much."""
     assert verdict.census is not None
     assert verdict.s_margin_mm is not None
     error_um, margin_um = _com_error_um(item), 1e3 * verdict.s_margin_mm

@@ -24,7 +24,7 @@ class ProcessRow:
         process: Its name.
         result: The study.
         dominating: The source that uses most of what it may have alone; None if the design itself is not
-            good.
+            good, or it was not asked for.
         use: How much of that it uses; above 1 it makes too many bad parts even without the others. At least
             1/8, which is the limit of the search; None if no size of it will do.
     """
@@ -57,6 +57,7 @@ def compare_processes(
     variants: int = _VARIANTS,
     seed: int = 0,
     executor: Executor | None = None,
+    dominating: bool = True,
     progress: Progress = silent,
 ) -> tuple[ProcessRow, ...]:
     """Study the same design as several processes make it, the highest sure yield first.
@@ -67,14 +68,17 @@ def compare_processes(
         variants: How many of each.
         seed: Of the samples.
         executor: Where to run; here if not given.
+        dominating: Whether to look for the source that decides, which takes far longer than the study.
         progress: Called with the name of each process as it begins.
     """
     rows = []
     for name, model in models.items():
         progress(f"making it by {name}")
         result = run_study(model, variants, seed, requirement=target.requirement, executor=executor)
-        dominating, use = _dominating(model, target, Effort(seed=seed), executor)
-        rows.append(ProcessRow(name, result, dominating, use))
+        source, use = None, None
+        if dominating:
+            source, use = _dominating(model, target, Effort(seed=seed), executor)
+        rows.append(ProcessRow(name, result, source, use))
     return tuple(sorted(rows, key=lambda row: -row.result.yield_tilt.interval.low))
 
 

@@ -49,9 +49,6 @@ ROWS_NAME = "variants"
 _PHASES = (0.0, 0.5)
 """Where the first layer begins, in layers over the origin."""
 
-_DEGREES = (2, 3, 4, 6, 8, 12, 16)
-"""Undulations for which the allowable form error is found; between them it goes about as n⁻²."""
-
 
 @dataclass(frozen=True)
 class Question:
@@ -65,7 +62,9 @@ class Question:
         rolling_mm: Rolling-resistance length of the part on its table.
         good_share: Share of the parts that has to be good.
         samples: Rows of each matrix of the sensitivity, a power of two.
+        against: Processes to compare with; all that come with the package if not given.
         compared: Variants for each process of the comparison.
+        undulations: Orders for which the allowable form error is found; between them it goes about as n⁻².
         searched: Variants that each change of the design or of a tolerance is tried on.
         confirmed: Fresh variants that confirm each answer.
         rebuilt: Variants that are judged a second time, as geometry.
@@ -81,7 +80,9 @@ class Question:
     rolling_mm: float = 0.001
     good_share: float = 0.95
     samples: int = 512
+    against: tuple[str, ...] | None = None
     compared: int = 2048
+    undulations: tuple[int, ...] = (2, 3, 4, 6, 8, 12, 16)
     searched: int = 2048
     confirmed: int = 8192
     rebuilt: int = 12
@@ -193,7 +194,8 @@ def _models(subject: str, question: Question, progress: Progress) -> _Models:
         wanted = load_process(name)
         body = named_body(subject)
         made = partial(body_study, body)
-    others = {other: load_process(other) for other in process_names()} if question.answers else {}
+    against = process_names() if question.against is None else question.against
+    others = {other: load_process(other) for other in against} if question.answers else {}
     return _Models(wanted, made(wanted), {other: made(process) for other, process in others.items()})
 
 
@@ -293,6 +295,7 @@ def _answers(models: _Models, question: Question, pool: Executor, progress: Prog
         variants=question.compared,
         seed=question.seed,
         executor=pool,
+        dominating=False,
         progress=lambda name: progress(f"comparing processes: {name}"),
     )
     progress("comparing with a ballasted sphere")
@@ -304,8 +307,10 @@ def _answers(models: _Models, question: Question, pool: Executor, progress: Prog
         require_good_design(model, target.requirement)
     except StudyError as error:
         return {**answers, "no_answer": str(error)}
-    made = form_amplitudes_mm(models.process, model.nominal.body.diameter_mm, np.array(_DEGREES))
-    curve = form_error_curve(model, _DEGREES, target, process_mm=made, executor=pool, progress=progress)
+    made = form_amplitudes_mm(models.process, model.nominal.body.diameter_mm, np.array(question.undulations))
+    curve = form_error_curve(
+        model, question.undulations, target, process_mm=made, executor=pool, progress=progress
+    )
     budget = solve_budget(model, target, effort, executor=pool, progress=progress)
     others = {name: other for name, other in models.all.items() if other.process != model.process}
     found = recommend(model, target, effort, processes=others, executor=pool, progress=progress)

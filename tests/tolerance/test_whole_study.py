@@ -14,7 +14,15 @@ from gomboc_cad.tolerance.whole_study import Question, study_tolerances
 from tests.external import digests
 
 SMALL = Question(
-    process="cnc-5axis", variants=600, samples=16, compared=512, searched=512, confirmed=1024, rebuilt=1
+    process="cnc-5axis",
+    variants=600,
+    samples=16,
+    against=("sla", "cnc-5axis"),
+    compared=512,
+    undulations=(2, 8),
+    searched=512,
+    confirmed=1024,
+    rebuilt=1,
 )
 
 
@@ -28,7 +36,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     from dataclasses import replace
 
     folder = tmp_path_factory.mktemp("study") / "out"
-    return run(folder, replace(SMALL, good_share=0.6))
+    return run(folder, replace(SMALL, good_share=0.6, max_tilt_deg=5.0))
 
 
 @pytest.mark.slow
@@ -51,9 +59,9 @@ def test_the_document_has_the_contracts_keys(study: dict[str, Any]) -> None:
 
 
 @pytest.mark.slow
-def test_all_processes_are_compared_and_the_best_comes_first(study: dict[str, Any]) -> None:
+def test_processes_are_compared_and_the_best_comes_first(study: dict[str, Any]) -> None:
     rows = study["processes"]
-    assert len(rows) == 8
+    assert {row["process"] for row in rows} == {"sla", "cnc-5axis"}
     lows = [row["yield_tilt"]["low"] for row in rows]
     assert lows == sorted(lows, reverse=True)
     assert rows[0]["process"] == "cnc-5axis"
@@ -64,9 +72,8 @@ def test_the_allowed_form_error_falls_with_the_undulations(study: dict[str, Any]
     entries = study["form_error"]["degrees"]
     guaranteed = [entry["guaranteed_um"] for entry in entries]
     assert guaranteed == sorted(guaranteed, reverse=True)
-    assert all(
-        entry["allowed_um"] is None or entry["allowed_um"] > entry["guaranteed_um"] for entry in entries
-    )
+    allowed = [entry["allowed_um"] for entry in entries]
+    assert allowed[0] > allowed[1] > 0.0
 
 
 @pytest.mark.slow

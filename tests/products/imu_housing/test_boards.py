@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
@@ -12,12 +11,15 @@ import numpy as np
 import pytest
 
 from gomboc_cad.errors import SpecError
-from gomboc_cad.products.build import build_product
+from gomboc_cad.products.build_document import uncertainty_sentence
 from gomboc_cad.products.imu_housing.boards import Board, board_names, load_board
 from gomboc_cad.products.imu_housing.layout import HousingContents, lay_out
 from gomboc_cad.products.imu_housing.spec import ImuHousingSpec
 from gomboc_cad.products.placing.com_placement import com_target
+from gomboc_cad.products.recipes import design_product
+from gomboc_cad.products.spec import load_spec
 from gomboc_cad.products.toml_model import parse_model
+from gomboc_cad.products.verdict import judge
 from gomboc_cad.resources import template_folder
 
 Template = Callable[..., Path]
@@ -127,17 +129,17 @@ def test_impossible_sensors_are_refused(change: Change, said: str) -> None:
 
 
 @pytest.mark.slow
-def test_a_mass_error_beyond_the_margin_is_said_in_the_reasons(
-    template_with: Template, tmp_path: Path
-) -> None:
+def test_a_mass_error_beyond_the_margin_is_said_in_the_reasons(template_with: Template) -> None:
     """The SparkFun board's estimated mass may move the COM by more than a light 60 mm housing allows."""
     path = template_with(
         ('type = "adafruit-bno055"', 'type = "sparkfun-icm20948"'),
         ("diameter_mm = 100.0", "diameter_mm = 60.0"),
         ("wall_mm = 3.0 ", "wall_mm = 2.0 "),
     )
-    document = build_product(str(path), tmp_path / "out")
-    assert document["verdict"] == "PASS"
-    assert any("beyond the S-margin" in reason and "weigh it" in reason for reason in document["reasons"])
-    calibration = json.loads((tmp_path / "out" / "calibration.json").read_text(encoding="utf-8"))
-    assert "heading" in " ".join(calibration["notes"]).lower()
+    design = design_product(load_spec(str(path)))
+    verdict = judge(design.body, design.assembly.com_mm)
+    assert verdict.passed
+    said = [uncertainty_sentence(item, verdict) for item in design.uncertainties]
+    assert any("beyond the S-margin" in sentence and "weigh it" in sentence for sentence in said)
+    notes = design.documents(verdict)["calibration.json"]["notes"]
+    assert "heading" in " ".join(notes).lower()
