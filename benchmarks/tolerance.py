@@ -127,11 +127,11 @@ def measure_oracle() -> list[dict[str, float]]:
     rows = []
     for directions in DIRECTIONS:
         options = DrainageOptions(directions=directions)
-        drainage_count(*mesh, options)
+        drainage_count(*mesh, options=options)
         seconds = []
         for _ in range(REPEATS if directions == DIRECTIONS[0] else 1):
             start = time.perf_counter()
-            found = drainage_count(*mesh, options)
+            found = drainage_count(*mesh, options=options)
             seconds.append(time.perf_counter() - start)
         cosine = np.dot(found.clusters[0].direction, census.rest.direction)
         off = np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
