@@ -20,6 +20,16 @@ def is_spec(name: str) -> bool:
     return name in PRODUCTS or (name.lower().endswith(".toml") and not is_body_file(name))
 
 
+def bare_body(name: str) -> Body:
+    """The body that a name of the catalogue or a TOML file with a body and no product stands for.
+
+    Raises:
+        BodyError: If there is no body of that name.
+        SpecError: If the file is wrong.
+    """
+    return load_body(Path(name)) if is_body_file(name) else named_body(name)
+
+
 def body_and_com(subject: str | Body, progress: Progress = silent) -> tuple[Body, Vector]:
     """Give the outer body and the centre of mass in mm that an analysis starts from.
 
@@ -40,8 +50,5 @@ def body_and_com(subject: str | Body, progress: Progress = silent) -> tuple[Body
 
         design = design_product(load_spec(subject), spec_path(subject).parent, progress)
         return design.body, design.assembly.com_mm
-    if isinstance(subject, Body):
-        body = subject
-    else:
-        body = load_body(Path(subject)) if is_body_file(subject) else named_body(subject)
+    body = bare_body(subject) if isinstance(subject, str) else subject
     return body, mass_properties(body).com_mm

@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -188,7 +189,7 @@ class _Surface:
                 points,
                 outward[facets],
                 np.full(len(points), 1.1 * thickness),
-                lambda centers, local=local: nearest_on_facets(centers, local)[0],  # type: ignore[misc]
+                partial(_nearest_places, local),
             )
             row = int(found.thickness.argmin())
             if found.thickness[row] < best.thickness:
@@ -196,6 +197,11 @@ class _Surface:
                 place, normal, thickness = best.place, outward[facets[row]], float(best.thickness)
             width *= _SHRINK
         return best
+
+
+def _nearest_places(corners: Array, places: Array) -> Array:
+    """The nearest points of facets, given by their corners (m, 3, 3), to places (n, 3), shape (n, 3)."""
+    return nearest_on_facets(places, corners)[0]
 
 
 def _walls(

@@ -27,7 +27,7 @@ from gomboc_cad.tolerance.sources import (
     seam_sources,
 )
 from gomboc_cad.tolerance.variants import Nominal, Outcomes, SeamPlane, Variants
-from gomboc_cad.tolerance.weighing import build_direction, machine_axes, seam_line, whole_body
+from gomboc_cad.tolerance.weighing import build_direction, glue_line, machine_axes, whole_body
 
 if TYPE_CHECKING:
     from gomboc_cad.products.design import ProductDesign
@@ -230,7 +230,7 @@ def product_study(
     if parting is not None:
         contributors += seam_sources(process, axes)
         if is_glued(design):
-            line = seam_line(design.body, parting, 0.5 * design.spec.shell.wall_mm)
+            line = glue_line(design.body, parting, 0.5 * design.spec.shell.wall_mm)
             contributors += glue_sources(process, len(parts), line)
             parts = (*parts, WeighedPart("glue", "glue", 0.0, as_vector(line.center_mm)))
     study = _study(design.assembly.name, process, design.body, parts, contributors, degree)

@@ -18,7 +18,7 @@ from gomboc_cad.products.process_tolerances import Figure, ProcessTolerances
 from gomboc_cad.tolerance.com_model import Role, WeighedPart
 from gomboc_cad.tolerance.contributors import Contributor
 from gomboc_cad.tolerance.model import Source
-from gomboc_cad.tolerance.weighing import SeamLine
+from gomboc_cad.tolerance.weighing import GlueLine
 
 if TYPE_CHECKING:
     from gomboc_cad.products.loads import UncertainLoad
@@ -73,7 +73,7 @@ def seam_sources(process: Process, axes: Array) -> tuple[Contributor, ...]:
     )
 
 
-def glue_sources(process: Process, glue: int, line: SeamLine) -> tuple[Contributor, ...]:
+def glue_sources(process: Process, glue: int, line: GlueLine) -> tuple[Contributor, ...]:
     """Amount and unevenness of the glue along the seam.
 
     Args:

@@ -9,6 +9,7 @@ import numpy as np
 from gomboc_cad.body import Body, mass_properties, support_height_mm
 from gomboc_cad.body.sphere import Array, tangent_frame, unit
 from gomboc_cad.equilibria.records import Vector, as_vector
+from gomboc_cad.equilibria.rim import ray_lengths_mm
 from gomboc_cad.products.process import Process, known_tolerances
 from gomboc_cad.tolerance.com_model import WeighedPart, spread_mm2
 
@@ -17,11 +18,10 @@ if TYPE_CHECKING:
 
 _NODES = 64
 _SEAM_POINTS = 720
-_HALVINGS = 60
 _WATER_G_MM3 = 1e-3
 
 
-class SeamLine(NamedTuple):
+class GlueLine(NamedTuple):
     """The line along a seam that glue is put on.
 
     Attributes:
@@ -105,7 +105,7 @@ def volume_above_mm3(body: Body, up: Array, height_mm: float) -> float:
     return float(solid_angle @ beyond)
 
 
-def seam_line(body: Body, parting: Parting, inset_mm: float) -> SeamLine:
+def glue_line(body: Body, parting: Parting, inset_mm: float) -> GlueLine:
     """The line that follows the section of a body with a plane, inside of it.
 
     Args:
@@ -117,16 +117,10 @@ def seam_line(body: Body, parting: Parting, inset_mm: float) -> SeamLine:
     first, second, up = machine_axes(parting.up)
     cosine, sine = np.cos(angle), np.sin(angle)
     rays, middle = np.outer(cosine, first) + np.outer(sine, second), parting.height_mm * up
-    inner, outer = np.zeros(_SEAM_POINTS), np.full(_SEAM_POINTS, 4.0 * body.radius_mm)
-    for _ in range(_HALVINGS):
-        half = 0.5 * (inner + outer)
-        points = middle + half[:, None] * rays
-        distance = np.linalg.norm(points, axis=1)
-        inside = distance < body.radius_at(points / distance[:, None])
-        inner, outer = np.where(inside, half, inner), np.where(inside, outer, half)
-    line = middle + (inner - inset_mm)[:, None] * rays
+    length = ray_lengths_mm(body, middle, rays)
+    line = middle + (length - inset_mm)[:, None] * rays
     steps = np.linalg.norm(np.roll(line, -1, axis=0) - line, axis=1)
     shares = 0.5 * (steps + np.roll(steps, 1)) / steps.sum()
     center = shares @ line
     uneven = np.stack([shares * cosine, shares * sine])
-    return SeamLine(float(steps.sum()), center, uneven @ (line - center))
+    return GlueLine(float(steps.sum()), center, uneven @ (line - center))

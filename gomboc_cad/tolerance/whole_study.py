@@ -16,11 +16,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gomboc_cad.body.catalogue import named_body
 from gomboc_cad.equilibria.records import as_vector
 from gomboc_cad.errors import OutputError, StudyError
 from gomboc_cad.products.process import form_amplitudes_mm, known_tolerances, load_process, process_names
-from gomboc_cad.products.subject import is_spec
+from gomboc_cad.products.subject import bare_body, is_spec
 from gomboc_cad.progress import Progress, silent
 from gomboc_cad.solid.output import write_bytes, writing_to
 from gomboc_cad.tolerance.acceptance import Effort, Target, design_outcome, require_good_design
@@ -111,7 +110,7 @@ def study_tolerances(
     """Study a product or a body, and write the rows and `tolerance.json` into a folder.
 
     Args:
-        subject: A product, the path of a spec, or a body of the catalogue.
+        subject: A product, the path of a spec, a body of the catalogue, or the path of a body's file.
         folder: Where the files go. An interrupted study of the same question goes on in its folder.
         question: What is asked.
         executor: Where the variants are judged: `local`, `local:4` or `dask://HOST:PORT`.
@@ -192,8 +191,7 @@ def _models(subject: str, question: Question, progress: Progress) -> _Models:
     else:
         name = question.process or "fdm"
         wanted = load_process(name)
-        body = named_body(subject)
-        made = partial(body_study, body)
+        made = partial(body_study, bare_body(subject))
     against = process_names() if question.against is None else question.against
     others = {other: load_process(other) for other in against} if question.answers else {}
     return _Models(wanted, made(wanted), {other: made(process) for other, process in others.items()})

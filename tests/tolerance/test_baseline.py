@@ -11,7 +11,7 @@ from gomboc_cad.body import mass_properties
 from gomboc_cad.tolerance.acceptance import Effort, Target
 from gomboc_cad.tolerance.baseline import concentric_sphere, sphere_baseline
 from gomboc_cad.tolerance.requirement import Requirement
-from gomboc_cad.tolerance.variants import Nominal
+from gomboc_cad.tolerance.variants import Nominal, Outcomes, Variants
 from tests.tolerance.toys import LoadedSphere
 
 TILTED = Target(Requirement(max_tilt_deg=10.0))
@@ -46,7 +46,7 @@ def test_a_design_with_more_margin_than_its_lowering_is_worth_its_shape() -> Non
     """A study whose parts rest more truly than a sphere with such a COM could."""
 
     class Stiff(LoadedSphere):
-        def judge(self, variants):  # type: ignore[no-untyped-def]
+        def judge(self, variants: Variants) -> Outcomes:
             outcomes = super().judge(variants)
             return replace(outcomes, tilt_deg=0.1 * outcomes.tilt_deg, s_margin_mm=2.0 * outcomes.s_margin_mm)
 

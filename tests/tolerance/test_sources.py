@@ -16,7 +16,7 @@ from gomboc_cad.tolerance.com_model import MassModel, WeighedPart
 from gomboc_cad.tolerance.product_study import ProductStudy, body_study
 from gomboc_cad.tolerance.sources import glue_sources, load_sources, process_sources, seam_sources
 from gomboc_cad.tolerance.variants import Nominal, Variants
-from gomboc_cad.tolerance.weighing import SeamLine, machine_axes
+from gomboc_cad.tolerance.weighing import GlueLine, machine_axes
 
 SPHERE = Body("sphere", FourierSloan(0.0), 10.0)
 UP: Vector = (0.0, 0.0, 1.0)
@@ -60,7 +60,7 @@ PARTS = (
     WeighedPart("glue", "glue", 0.0, (0.0, 0.0, 0.0)),
 )
 TOTAL_G = sum(part.mass_g for part in PARTS)
-LINE = SeamLine(60.0, np.zeros(3), np.array([[4.5, 0.0, 0.0], [0.0, 4.5, 0.0]]))
+LINE = GlueLine(60.0, np.zeros(3), np.array([[4.5, 0.0, 0.0], [0.0, 4.5, 0.0]]))
 LOADS = (UncertainLoad("board", 0.05, 0.4),)
 
 

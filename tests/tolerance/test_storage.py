@@ -277,7 +277,7 @@ except KeyboardInterrupt:
 """
 
 
-def script(store: Path, **options: object) -> subprocess.Popen[str]:
+def script(store: Path, before: Callable[[], None] | None = None) -> subprocess.Popen[str]:
     environment = os.environ | {"PYTHONPATH": str(Path(__file__).parents[2])}
     return subprocess.Popen(
         [sys.executable, "-c", SCRIPT, str(store)],
@@ -285,7 +285,7 @@ def script(store: Path, **options: object) -> subprocess.Popen[str]:
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         encoding="utf-8",
-        **options,  # type: ignore[call-overload]
+        preexec_fn=before,
     )
 
 
@@ -315,7 +315,7 @@ def test_a_disk_that_takes_no_more_is_told(tmp_path: Path) -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
 
     store = tmp_path / "rows.csv"
-    with script(store, preexec_fn=limit) as child:
+    with script(store, limit) as child:
         _, errors = child.communicate(timeout=60)
     assert child.returncode == 1
     assert "rows.csv.journal could not be written" in errors

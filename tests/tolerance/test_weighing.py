@@ -9,7 +9,7 @@ from gomboc_cad import catalog
 from gomboc_cad.body import Body, FourierSloan, mass_properties
 from gomboc_cad.body.sphere import unit
 from gomboc_cad.products.placement import Parting
-from gomboc_cad.tolerance.weighing import machine_axes, seam_line, volume_above_mm3, whole_body
+from gomboc_cad.tolerance.weighing import glue_line, machine_axes, volume_above_mm3, whole_body
 
 SPHERE = Body("sphere", FourierSloan(0.0), 10.0)
 OBLIQUE = unit(np.array([1.0, -2.0, 0.5]))
@@ -41,7 +41,7 @@ def test_middle_plane_of_the_primary_against_a_count_of_points() -> None:
 
 
 def test_seam_of_a_sphere_is_a_circle() -> None:
-    line = seam_line(SPHERE, Parting(tuple(OBLIQUE), 6.0, (0.0, 0.0, 0.0)), 1.0)
+    line = glue_line(SPHERE, Parting(tuple(OBLIQUE), 6.0, (0.0, 0.0, 0.0)), 1.0)
     assert line.length_mm == pytest.approx(2.0 * np.pi * 7.0, rel=1e-5)
     assert line.center_mm == pytest.approx(6.0 * OBLIQUE, abs=1e-9)
     # Half the radius, along two directions in the plane that are square to each other.

@@ -110,6 +110,15 @@ def test_a_printed_part_is_built_of_layers_too(tmp_path: Path) -> None:
     assert all(built["verdict"] == "multistable" for built in layers["built"])
 
 
+def test_a_body_of_ones_own_is_studied_too(tmp_path: Path) -> None:
+    mine = tmp_path / "mine.toml"
+    mine.write_text('[body]\nname = "tolerant-1"\ndiameter_mm = 60.0\n', encoding="utf-8")
+    question = Question(process="cnc-5axis", variants=1, samples=2, rebuilt=0, answers=False)
+    found = run(tmp_path / "out", question, str(mine))
+    assert found["subject"] == "tolerant-1"
+    assert found["s_margin_mm"]["largest"] == pytest.approx(0.0074 * 30.0, rel=0.1)
+
+
 def test_other_files_of_a_folder_are_not_buried(tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_text("mine", encoding="utf-8")
     with pytest.raises(OutputError, match="--force"):

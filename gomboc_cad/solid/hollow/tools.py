@@ -6,7 +6,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -327,7 +327,7 @@ class Box(_Bounded):
         """Signed distances from the planes of the six faces."""
         points, normals = self.ends()
         return tuple(
-            lambda p, normal=normal, height=height: p @ normal - height  # type: ignore[misc]
+            partial(_over_plane, normal, height)
             for normal, height in zip(normals, np.einsum("nx,nx->n", points, normals), strict=True)
         )
 
@@ -358,3 +358,9 @@ def segments(radius_mm: float, sag_um: float) -> int:
     """Number of sides of a polygon inscribed in a circle that keeps a sag."""
     half_angle = math.acos(max(-1.0, 1.0 - 1e-3 * sag_um / radius_mm))
     return max(_FEWEST_SEGMENTS, math.ceil(math.pi / half_angle))
+
+
+def _over_plane(normal: Array, height_mm: float, points_mm: Array) -> Array:
+    """Signed distance of points (n, 3) from a plane, shape (n,)."""
+    result: Array = points_mm @ normal - height_mm
+    return result

@@ -20,6 +20,7 @@ from gomboc_cad.products.placing.com_placement import com_target
 from gomboc_cad.products.process import least_wall_mm
 from gomboc_cad.products.toml_model import parse_model
 from gomboc_cad.products.verdict import judge
+from gomboc_cad.solid.hollow import Cylinder
 
 NO_MARK = {"mark": {"text": ""}}
 PORT = {"cable": {"thread": "M10x1"}}
@@ -125,10 +126,12 @@ def test_a_cable_port_is_where_the_drill_map_allows_it_and_opens_the_cavity() ->
     limits = drill_limits(layout.hollow.body, np.array([layout.recess.direction]), com)
     assert layout.recess.rim_radius_mm < limits.radius_mm[0]
     # Tapping drill of M10x1: 9 mm (ISO 2306).
-    hole = next(tool for tool in layout.hollow.openings if tool.radius_mm == pytest.approx(4.5))  # type: ignore[union-attr]
-    end = np.array(hole.base_mm)  # type: ignore[union-attr]
-    assert depth_mm(layout.hollow.body, end[None])[0] > layout.hollow.wall_mm  # type: ignore[operator]
-    inside = end + 0.5 * np.array(hole.direction)  # type: ignore[union-attr]
+    drilled = [tool for tool in layout.hollow.openings if isinstance(tool, Cylinder)]
+    hole = next(tool for tool in drilled if tool.radius_mm == pytest.approx(4.5))
+    end = np.array(hole.base_mm)
+    assert layout.hollow.wall_mm is not None
+    assert depth_mm(layout.hollow.body, end[None])[0] > layout.hollow.wall_mm
+    inside = end + 0.5 * np.array(hole.direction)
     assert not any(boss.contains(inside[None])[0] for boss in layout.hollow.bosses)
 
 
