@@ -31,7 +31,7 @@ def tolerance(
             "--process", metavar="NAME", help="How it is made; a name or a file. The spec's if left out."
         ),
     ] = None,
-    variants: Annotated[int, typer.Option("--variants", metavar="N", help="How many are judged.")] = 8192,
+    variants: Annotated[int, typer.Option("--variants", metavar="N", min=1, help="How many.")] = 8192,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Of all samples.")] = 0,
     max_tilt_deg: Annotated[float, typer.Option("--max-tilt-deg", help="Largest angle from the rest.")] = 1.0,
     rolling_um: Annotated[float, typer.Option("--rolling-um", help="Rolling-resistance length.")] = 1.0,

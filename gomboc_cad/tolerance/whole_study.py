@@ -129,12 +129,14 @@ def study_tolerances(
     target, rows_file = question.target, folder / f"{ROWS_NAME}.{question.rows_format}"
     table_for(rows_file)
     _require_own_folder(folder, rows_file, force)
-    progress("designing what is to be studied")
-    models = _models(subject, question, progress)
-    model = models.asked
-    with writing_to(folder):
-        folder.mkdir(parents=True, exist_ok=True)
     with executor_for(executor) as pool:
+        progress("designing what is to be studied")
+        models = _models(subject, question, progress)
+        model = models.asked
+        sample = SobolSample(model.dimensions, question.seed, question.variants)
+        # Only now that nothing of the question can be refused any more.
+        with writing_to(folder):
+            folder.mkdir(parents=True, exist_ok=True)
         found = run_study(
             model,
             question.variants,
@@ -148,7 +150,7 @@ def study_tolerances(
         progress("finding which sources matter")
         document |= _sensitivity(model, question, pool)
         progress("building some variants as geometry")
-        document["cross_check"] = _cross_check(model, question, pool)
+        document["cross_check"] = _cross_check(model, sample, question, pool)
         document["layers"] = _layers(models.process, model)
         if question.answers:
             document |= _answers(models, question, pool, progress)
@@ -245,12 +247,13 @@ def _sensitivity(model: ProductStudy, question: Question, pool: Executor) -> dic
     }
 
 
-def _cross_check(model: ProductStudy, question: Question, pool: Executor) -> dict[str, Any]:
+def _cross_check(
+    model: ProductStudy, sample: SobolSample, question: Question, pool: Executor
+) -> dict[str, Any]:
     """A random subset of the very variants of the study, built and judged again."""
     if question.rebuilt == 0:
         return CrossCheck(()).document()
     numbers = checked_rows(question.variants, question.rebuilt, question.seed)
-    sample = SobolSample(model.dimensions, question.seed, question.variants)
     return cross_check(model, sample.rows(numbers), numbers, spread=pool.map).document()
 
 

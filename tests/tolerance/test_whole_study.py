@@ -119,6 +119,14 @@ def test_a_body_of_ones_own_is_studied_too(tmp_path: Path) -> None:
     assert found["s_margin_mm"]["largest"] == pytest.approx(0.0074 * 30.0, rel=0.1)
 
 
+def test_without_an_executor_nothing_is_designed_or_written(tmp_path: Path) -> None:
+    told: list[str] = []
+    with pytest.raises(StudyError, match="There is no executor 'foo'"):
+        study_tolerances("imu-housing", tmp_path / "out", SMALL, executor="foo", progress=told.append)
+    assert told == []
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_other_files_of_a_folder_are_not_buried(tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_text("mine", encoding="utf-8")
     with pytest.raises(OutputError, match="--force"):
@@ -146,4 +154,4 @@ def test_what_cannot_be_studied_is_one_sentence(
     question = Question(**{"process": "cnc-5axis", "variants": 512, "answers": False, **change})
     with pytest.raises(error, match=said):
         run(tmp_path / "out", question, subject)
-    assert not (tmp_path / "out" / "tolerance.json").exists()
+    assert list(tmp_path.iterdir()) == []
