@@ -368,10 +368,10 @@ def show_tolerance(document: dict[str, Any]) -> None:
         if (found := document[key]) is not None:
             facts.add_row(f"{name}: 5, 50, 95 %", ", ".join(f"{found[p]:.3g}" for p in _PERCENTILES) + unit)
     shares = {entry["source"]: entry["total"]["estimate"] for entry in document["sobol"]}
-    sources = _table("Sources", "source", "size", "share of the tilt's variance, with others")
+    sources = _table("What varies, and its total share of the tilt's variance", "share", "size", "source")
     for source in sorted(document["sources"], key=lambda source: -shares[source["name"]]):
         size = f"{source['size']:.3g} {source['unit']}"
-        sources.add_row(source["text"], size, f"{100.0 * shares[source['name']]:.0f} %")
+        sources.add_row(f"{100.0 * shares[source['name']]:.0f} %", size, source["text"])
     said = [
         document[key]["sentence"] for key in ("budget_summary", "recommend", "baseline") if key in document
     ]
