@@ -37,6 +37,10 @@ Diameter = Annotated[
     typer.Option("--diameter-mm", help="Nominal diameter 2 R0; 100 unless a file says otherwise."),
 ]
 ComOption = Annotated[str | None, typer.Option("--com-mm", metavar="X,Y,Z", help="Centre of mass.")]
+Changes = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Change the spec: body.diameter_mm=60; repeatable."),
+]
 Output = Annotated[Path, typer.Option("--output", "-o", help="Folder to write to.")]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite files of the same names.")]
 Audit = Annotated[bool, typer.Option("--audit", help="Inspect the meshes with PyMeshLab too (extra: audit).")]
@@ -80,6 +84,7 @@ def chosen_body_and_com(
     coefficients: list[str] | None,
     diameter_mm: float | None,
     com_mm: str | None,
+    changes: list[str] | None,
     progress: Progress,
 ) -> tuple[Any, Any]:
     """The body and the centre of mass of a product or of a bare body; another one if it is given."""
@@ -90,7 +95,7 @@ def chosen_body_and_com(
         subject = chosen_body(name, family, beta, coefficients, diameter_mm)
     elif family is not None or beta is not None or coefficients:
         raise GombocError("--family, --beta and --coef go with a bare body, not with a product.")
-    chosen, com = body_and_com(subject, progress)
+    chosen, com = body_and_com(subject, progress, changes=changes or ())
     return chosen, com if com_mm is None else numbers("--com-mm", com_mm)
 
 

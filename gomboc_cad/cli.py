@@ -20,6 +20,7 @@ from gomboc_cad.arguments import (
     Audit,
     Beta,
     BodyName,
+    Changes,
     Coefficients,
     ComOption,
     Diameter,
@@ -35,6 +36,7 @@ from gomboc_cad.arguments import (
     exact_decimals,
     numbers,
     require_absent,
+    require_new_toml,
     with_figure,
 )
 from gomboc_cad.console import (
@@ -46,6 +48,7 @@ from gomboc_cad.console import (
     show_certificate,
     show_check,
     show_drill_map,
+    show_templates,
     show_zone,
 )
 from gomboc_cad.errors import GombocError, NotConvexError
@@ -82,6 +85,29 @@ def catalog(json: AsJson = False, quiet: Quiet = False) -> int:
     from gomboc_cad.documents import catalog_document
 
     Reporter(json, quiet).document(catalog_document(), show_catalog)
+    return PASSED
+
+
+@app.command()
+def templates(
+    name: Annotated[str | None, typer.Argument(metavar="[NAME]", help="One to copy.")] = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="FILE.toml", help="Where the copy goes.")
+    ] = None,
+    force: Force = False,
+    json: AsJson = False,
+    quiet: Quiet = False,
+) -> int:
+    """List what a spec may name, or copy a template to edit it."""
+    from gomboc_cad.products.template_files import copy_template, template_names
+
+    if (name is None) != (output is None):
+        raise GombocError("Give the name of a template and -o FILE.toml to copy it, or neither to list all.")
+    if name is not None and output is not None:
+        require_new_toml(output, force)
+        copy_template(name, output)
+    document = {**template_names(), "file": None if output is None else str(output)}
+    Reporter(json, quiet).document(document, show_templates)
     return PASSED
 
 
@@ -254,6 +280,7 @@ def zone(
     coef: Coefficients = None,
     diameter_mm: Diameter = None,
     com_mm: ComOption = None,
+    changes: Changes = None,
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", metavar="FILE.stl", help="Write the zone, and a figure beside it."),
@@ -270,7 +297,7 @@ def zone(
     reporter = Reporter(json, quiet)
     files = with_figure(output, ".stl", force)
     with reporter.stages(STAGES + design_stages(body)) as progress:
-        chosen, com = chosen_body_and_com(body, family, beta, coef, diameter_mm, com_mm, progress)
+        chosen, com = chosen_body_and_com(body, family, beta, coef, diameter_mm, com_mm, changes, progress)
         found = loading_zone(chosen, com, progress=progress)
     if files:
         write_zone(found, *files)
@@ -286,6 +313,7 @@ def drillmap(
     coef: Coefficients = None,
     diameter_mm: Diameter = None,
     com_mm: ComOption = None,
+    changes: Changes = None,
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", metavar="FILE.csv", help="Write the table, and a figure beside it."),
@@ -303,7 +331,7 @@ def drillmap(
     reporter = Reporter(json, quiet)
     files = with_figure(output, ".csv", force)
     with reporter.stages(1 + design_stages(body)) as progress:
-        chosen, com = chosen_body_and_com(body, family, beta, coef, diameter_mm, com_mm, progress)
+        chosen, com = chosen_body_and_com(body, family, beta, coef, diameter_mm, com_mm, changes, progress)
         progress("mapping the surface")
         found = drill_map(chosen, com, sites=sites)
     if files:
@@ -318,6 +346,7 @@ def drillmap(
 def build(
     spec: Annotated[str, typer.Argument(metavar="SPEC", help=f"A TOML file, or a product: {PRODUCT_NAMES}.")],
     output: Output,
+    changes: Changes = None,
     force: Force = False,
     allow_unverified: Annotated[
         bool, typer.Option("--allow-unverified", help="Build of a refuted or non-convex body too.")
@@ -332,7 +361,13 @@ def build(
     reporter = Reporter(json, quiet)
     with reporter.stages(STAGES) as progress:
         document = build_product(
-            spec, output, force=force, allow_unverified=allow_unverified, audit=audit, progress=progress
+            spec,
+            output,
+            changes=changes or (),
+            force=force,
+            allow_unverified=allow_unverified,
+            audit=audit,
+            progress=progress,
         )
     reporter.document(document, show_build)
     return PASSED if document["verdict"] == "PASS" else FAILED

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import sys
 from collections.abc import Callable, Iterator
@@ -36,12 +37,15 @@ class Reporter:
 
     @contextmanager
     def stages(self, total: int | None) -> Iterator[Progress]:
-        """A progress bar over named stages on stderr, where that is a terminal.
+        """Show on stderr which stage begins: as a bar on a terminal, as a line each for a program or a log.
 
-        The callback that it gives names the stage that begins. Without a total, only that is shown.
+        The callback that it gives names the stage. Without a total, only that is shown.
         """
-        if self.quiet or not sys.stderr.isatty():
+        if self.quiet:
             yield silent
+            return
+        if not sys.stderr.isatty():
+            yield _line_by_line(total)
             return
         from rich.console import Console
         from rich.progress import (
@@ -66,6 +70,16 @@ class Reporter:
                 begun = True
 
             yield begin
+
+
+def _line_by_line(total: int | None) -> Progress:
+    """Stages as `[3/12] cutting the cavity`, or `[3] ...` where nobody knows how many there are."""
+    numbers, of = itertools.count(1), "" if total is None else f"/{total}"
+
+    def begin(stage: str) -> None:
+        print(f"[{next(numbers)}{of}] {stage}", file=sys.stderr, flush=True)
+
+    return begin
 
 
 def _table(title: str, *columns: str) -> Any:
@@ -106,6 +120,18 @@ def show_catalog(document: dict[str, Any]) -> None:
         terms += _coefficients({key: f"{value:g}" for key, value in body["coefficients"].items()})
         margin = "–" if body["s_margin"] is None else f"{body['s_margin']:.5f}"
         table.add_row(body["name"], body["family"], ", ".join(terms), body["status"], margin, body["reason"])
+    _print(table)
+
+
+def show_templates(document: dict[str, Any]) -> None:
+    """What a spec may name, or the file that was written."""
+    if document["file"] is not None:
+        _print(f"{document['file']} is yours to edit.")
+        return
+    table = _table("What a spec may name", "kind", "names")
+    for kind, names in document.items():
+        if names is not None:
+            table.add_row(kind, ", ".join(names))
     _print(table)
 
 

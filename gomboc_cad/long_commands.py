@@ -12,6 +12,7 @@ from gomboc_cad.arguments import (
     PASSED,
     PRODUCT_NAMES,
     AsJson,
+    Changes,
     Force,
     Output,
     Quiet,
@@ -25,6 +26,7 @@ def tolerance(
         str, typer.Argument(metavar="SPEC", help=f"A TOML file, a product ({PRODUCT_NAMES}) or a body.")
     ],
     output: Output,
+    changes: Changes = None,
     process: Annotated[
         str | None,
         typer.Option(
@@ -73,7 +75,15 @@ def tolerance(
     )
     reporter = Reporter(json, quiet)
     with reporter.stages(None) as progress:
-        document = study_tolerances(spec, output, question, executor=executor, force=force, progress=progress)
+        document = study_tolerances(
+            spec,
+            output,
+            question,
+            changes=changes or (),
+            executor=executor,
+            force=force,
+            progress=progress,
+        )
     reporter.document(document, show_tolerance)
     return PASSED if document["verdict"] == "PASS" else FAILED
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -50,6 +50,7 @@ def build_product(
     spec: str,
     folder: Path,
     *,
+    changes: Sequence[str] = (),
     force: bool = False,
     allow_unverified: bool = False,
     audit: bool = False,
@@ -60,6 +61,7 @@ def build_product(
     Args:
         spec: Name of a product, which stands for its template, or the path of a spec.
         folder: Where the files go.
+        changes: `KEY=VALUE` each, for keys of the spec.
         force: Allow a folder that holds something, and replace files of the same names.
         allow_unverified: Build of a body that is refuted or not convex too.
         audit: Have the meshes checked by PyMeshLab too.
@@ -77,7 +79,7 @@ def build_product(
     """
     if audit:
         require_pymeshlab()
-    wanted = load_spec(spec)
+    wanted = load_spec(spec, changes)
     spec_folder = spec_path(spec).parent
     process = load_process(wanted.shell.process, spec_folder)
     if not allow_unverified:

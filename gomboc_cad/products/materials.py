@@ -30,6 +30,11 @@ class Material(TomlModel):
         return self.density_g_cm3 * volume_mm3 * 1e-3
 
 
+def material_names() -> tuple[str, ...]:
+    """Names of the materials that come with the package."""
+    return tuple(read_toml(template_folder() / "materials.toml"))
+
+
 def load_material(name: str) -> Material:
     """Look a material up in `materials.toml`.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +11,7 @@ from gomboc_cad.products.buoy.spec import BuoySpec
 from gomboc_cad.products.common_spec import ProductSpec
 from gomboc_cad.products.imu_housing.spec import ImuHousingSpec
 from gomboc_cad.products.seed_pod.spec import SeedPodSpec
+from gomboc_cad.products.spec_changes import changed
 from gomboc_cad.products.toml_model import parse_model, read_toml
 from gomboc_cad.resources import template_folder
 
@@ -26,11 +27,12 @@ def spec_path(name: str) -> Path:
     return template_folder() / f"{name}.toml" if name in PRODUCTS else Path(name)
 
 
-def load_spec(name: str) -> ProductSpec:
+def load_spec(name: str, changes: Sequence[str] = ()) -> ProductSpec:
     """Read and check a spec.
 
     Args:
         name: Name of a product, which stands for its template, or the path of a TOML file.
+        changes: `KEY=VALUE` each, see `spec_changes.changed`.
 
     Raises:
         SpecError: If the file is missing or malformed, of an unknown product, or a value is impossible.
@@ -40,7 +42,7 @@ def load_spec(name: str) -> ProductSpec:
         raise SpecError(
             f"There is no product {name!r}; choose one of {', '.join(PRODUCTS)}, or give a .toml file."
         )
-    data = read_toml(path)
+    data = changed(read_toml(path), changes)
     product = data.get("product")
     if not isinstance(product, str) or product not in PRODUCTS:
         raise SpecError(

@@ -7,7 +7,7 @@ is computed from the same model and written at the end as `tolerance.json`, with
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import asdict, dataclass
 from functools import partial
@@ -17,9 +17,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gomboc_cad.equilibria.records import as_vector
-from gomboc_cad.errors import OutputError, StudyError
+from gomboc_cad.errors import OutputError, SpecError, StudyError
 from gomboc_cad.products.process import form_amplitudes_mm, known_tolerances, load_process, process_names
-from gomboc_cad.products.subject import bare_body, is_spec
+from gomboc_cad.products.subject import NO_SPEC_TO_CHANGE, bare_body, is_spec
 from gomboc_cad.progress import Progress, silent
 from gomboc_cad.solid.output import write_bytes, writing_to
 from gomboc_cad.tolerance.acceptance import Effort, Target, design_outcome, require_good_design
@@ -103,6 +103,7 @@ def study_tolerances(
     folder: Path,
     question: Question,
     *,
+    changes: Sequence[str] = (),
     executor: str = "local",
     force: bool = False,
     progress: Progress = silent,
@@ -113,6 +114,7 @@ def study_tolerances(
         subject: A product, the path of a spec, a body of the catalogue, or the path of a body's file.
         folder: Where the files go. An interrupted study of the same question goes on in its folder.
         question: What is asked.
+        changes: `KEY=VALUE` each, for keys of the spec.
         executor: Where the variants are judged: `local`, `local:4` or `dask://HOST:PORT`.
         force: Allow a folder that holds other files.
         progress: Called with the name of each stage as it begins.
@@ -131,7 +133,7 @@ def study_tolerances(
     _require_own_folder(folder, rows_file, force)
     with executor_for(executor) as pool:
         progress("designing what is to be studied")
-        models = _models(subject, question, progress)
+        models = _models(subject, changes, question, progress)
         model = models.asked
         sample = SobolSample(model.dimensions, question.seed, question.variants)
         # Only now that nothing of the question can be refused any more.
@@ -179,17 +181,19 @@ class _Models:
     all: Mapping[str, ProductStudy]
 
 
-def _models(subject: str, question: Question, progress: Progress) -> _Models:
+def _models(subject: str, changes: Sequence[str], question: Question, progress: Progress) -> _Models:
     if is_spec(subject):
         # The kernel is loaded only for what needs it.
         from gomboc_cad.products.recipes import design_product
         from gomboc_cad.products.spec import load_spec, spec_path
 
-        spec, beside = load_spec(subject), spec_path(subject).parent
+        spec, beside = load_spec(subject, changes), spec_path(subject).parent
         name = question.process or spec.shell.process
         wanted = load_process(name, beside if question.process is None else None)
         design = design_product(spec, beside, progress)
         made = partial(product_study, design, spec_folder=beside)
+    elif changes:
+        raise SpecError(NO_SPEC_TO_CHANGE)
     else:
         name = question.process or "fdm"
         wanted = load_process(name)
