@@ -65,6 +65,7 @@ def build_document(found: BuildRecord) -> dict[str, Any]:
                 "com_mm": list(part.com_mm),
                 "made": part.made,
                 "standard": part.standard,
+                "color": list(part.color),
                 "watertight": watertight.get(part.name),
             }
             for part in assembly.parts

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from gomboc_cad.body import Body
 from gomboc_cad.equilibria.records import Vector
@@ -14,6 +14,9 @@ from gomboc_cad.products.openings.sites import PlacedOpening
 from gomboc_cad.products.placement import Parting, RestFrame
 from gomboc_cad.products.placing.com_placement import ComPlacement
 from gomboc_cad.products.verdict import Verdict
+
+if TYPE_CHECKING:
+    from gomboc_cad.products.loads import UncertainLoad
 
 
 @dataclass(frozen=True)
@@ -48,6 +51,8 @@ class ProductDesign:
         placement: How the centre of mass was brought to its target, and what that cost.
         openings: Everything that opens the outer surface.
         uncertainties: What moves the centre of mass.
+        loads: Contents with tolerances of mass and place.
+        upper_parts: Names of the parts that go with the upper half where the seam displaces it.
         parting_direction: Direction in which a mould or the seam opens.
         parting: The seam of the outer surface; None where there is none but around plugs.
         documents: Further JSON documents by file name, such as `calibration.json`, from the verdict.
@@ -63,6 +68,8 @@ class ProductDesign:
     placement: ComPlacement
     openings: tuple[PlacedOpening, ...]
     uncertainties: tuple[Uncertainty, ...]
+    loads: tuple[UncertainLoad, ...]
+    upper_parts: frozenset[str]
     parting_direction: Vector
     parting: Parting | None = None
     documents: Callable[[Verdict], Mapping[str, dict[str, Any]]] = no_documents

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gomboc_cad.body import mass_properties
+from gomboc_cad.products.closures.spec import DowelsSpec, ThreadRingSpec
+from gomboc_cad.products.imu_housing.spec import ImuHousingSpec
 from gomboc_cad.products.process import Process
 from gomboc_cad.tolerance.com_model import Role, WeighedPart, spread_mm2
 from gomboc_cad.tolerance.weighing import build_direction, volume_above_mm3
@@ -15,15 +16,9 @@ from gomboc_cad.tolerance.weighing import build_direction, volume_above_mm3
 if TYPE_CHECKING:
     from gomboc_cad.products.assembly import Part
     from gomboc_cad.products.design import ProductDesign
-    from gomboc_cad.products.loads import UncertainLoad
-
-_ON_SEAM_MM = 1e-6
-"""A part whose centre of mass is nearer to the seam than that is centred on it."""
 
 
-def weighed_parts(
-    design: ProductDesign, process: Process, loads: Sequence[UncertainLoad]
-) -> tuple[WeighedPart, ...]:
+def weighed_parts(design: ProductDesign, process: Process) -> tuple[WeighedPart, ...]:
     """The parts of a design as far as their masses are concerned.
 
     Of the made parts, the largest on each side of the seam is the shell there: it has the outer surface, and
@@ -33,11 +28,10 @@ def weighed_parts(
     Args:
         design: The design.
         process: How its made parts are made.
-        loads: Its parts that have tolerances of their own.
     """
-    parts, payload = design.assembly.parts, {load.part for load in loads}
+    parts, payload = design.assembly.parts, {load.part for load in design.loads}
     trims = {trim.name for trim in design.placement.trims}
-    above = {part.name for part in parts if _is_upper(design, part)}
+    above = design.upper_parts
     sides = [
         [part for part in parts if part.made and (part.name in above) == upper] for upper in (False, True)
     ]
@@ -86,15 +80,15 @@ def _weighed(
     )
 
 
-def _is_upper(design: ProductDesign, part: Part) -> bool:
-    """Whether a part goes with the upper one: its centre of mass is above the seam.
+def com_error_mm(design: ProductDesign) -> float:
+    """What the spec allows the centre of mass to be off along each axis besides; 0 if it says nothing."""
+    spec = design.spec
+    return 1e-3 * spec.tolerances.com_error_um if isinstance(spec, ImuHousingSpec) else 0.0
 
-    What is centred on the seam, as a dowel pin is, stays with the lower part.
-    """
-    parting = design.parting
-    if parting is None:
-        return False
-    return float(np.dot(parting.up, part.com_mm)) > parting.height_mm + _ON_SEAM_MM
+
+def is_glued(design: ProductDesign) -> bool:
+    """Whether there is glue along the seam."""
+    return isinstance(getattr(design.spec, "closure", None), DowelsSpec | ThreadRingSpec)
 
 
 def _outer_volumes_mm3(design: ProductDesign) -> tuple[float, float]:

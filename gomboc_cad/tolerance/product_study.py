@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
@@ -199,15 +198,12 @@ def body_study(
     return _study(body.name, process, body, parts, contributors, degree)
 
 
-def product_study(
-    design: ProductDesign, process: Process, spec_folder: Path | None = None, degree: int | None = None
-) -> ProductStudy:
+def product_study(design: ProductDesign, process: Process, degree: int | None = None) -> ProductStudy:
     """A finished product.
 
     Args:
         design: Its design.
         process: How its made parts are made, which need not be the process of the spec.
-        spec_folder: Folder that the names of a user's own data files start from.
         degree: Highest degree of the form error; if not given, that of the process up to 16.
 
     Raises:
@@ -215,16 +211,14 @@ def product_study(
         NotConvexError: If the outer shape is not strictly convex.
     """
     # The kernel is loaded only for what needs it.
-    from gomboc_cad.tolerance.product_loads import com_error_mm, is_glued, uncertain_loads
-    from gomboc_cad.tolerance.product_parts import weighed_parts
+    from gomboc_cad.tolerance.product_parts import com_error_mm, is_glued, weighed_parts
 
     degree = _highest_degree(process) if degree is None else degree
-    loads = uncertain_loads(design, spec_folder)
-    parts = weighed_parts(design, process, loads)
+    parts = weighed_parts(design, process)
     axes, parting = design.frame.matrix(), design.parting
     contributors = [
         *process_sources(process, parts, design.body.diameter_mm, degree),
-        *load_sources(loads, parts, axes),
+        *load_sources(design.loads, parts, axes),
         com_error_source(com_error_mm(design), axes, "the spec of the product"),
     ]
     if parting is not None:

@@ -191,7 +191,7 @@ def _models(subject: str, changes: Sequence[str], question: Question, progress: 
         name = question.process or spec.shell.process
         wanted = load_process(name, beside if question.process is None else None)
         design = design_product(spec, beside, progress)
-        made = partial(product_study, design, spec_folder=beside)
+        made = partial(product_study, design)
     elif changes:
         raise SpecError(NO_SPEC_TO_CHANGE)
     else:

@@ -21,7 +21,6 @@ from gomboc_cad.products.process import load_process, process_names
 from gomboc_cad.products.recipes import design_product
 from gomboc_cad.products.spec import load_spec
 from gomboc_cad.solid import hollow
-from gomboc_cad.tolerance.product_loads import uncertain_loads
 from gomboc_cad.tolerance.product_parts import weighed_parts
 from gomboc_cad.tolerance.product_study import ProductStudy, body_study, product_study
 
@@ -265,13 +264,13 @@ def test_core_shift_is_that_of_a_cavity_that_is_really_displaced(
     there = replace(whole, core_shift_mm=tuple(np.add(whole.core_shift_mm, shift)))
     before, after = (hollow.mesh(each, 100.0).mass() for each in (whole, there))
     moment = after.volume_mm3 * np.array(after.com_mm) - before.volume_mm3 * np.array(before.com_mm)
-    parts = weighed_parts(housing, load_process("fdm"), housing.mounted.loads)
+    parts = weighed_parts(housing, load_process("fdm"))
     lost = -sum(part.void_share * part.volume_mm3 for part in parts if part.role == "shell") * shift
     assert moment == pytest.approx(lost, rel=0.01)
 
 
 def test_contents_sit_on_the_core_of_their_half(housing: HousingDesign) -> None:
-    parts = {part.name: part for part in weighed_parts(housing, load_process("fdm"), housing.mounted.loads)}
+    parts = {part.name: part for part in weighed_parts(housing, load_process("fdm"))}
     assert parts["board"].carrier == "imu-housing-lower"
     assert parts["board"].role == "payload"
     assert parts["imu-housing-upper"].carrier is None
@@ -287,7 +286,7 @@ def test_contents_sit_on_the_core_of_their_half(housing: HousingDesign) -> None:
 def test_a_loose_filling_of_a_pod_settles() -> None:
     spec = load_spec("seed-pod")
     design = quick_design("seed-pod", substrate={"fill": 0.5})
-    kernel, filling = uncertain_loads(design)
+    kernel, filling = design.loads
     mass = next(part.mass_g for part in design.assembly.parts if part.name == "substrate")
     assert filling.mass_tolerance_g == pytest.approx(spec.substrate.mass_scatter * mass)
     # Half of a room of about 10 mm goes to one side by a few millimetres.
@@ -300,9 +299,11 @@ def test_a_loose_filling_of_a_pod_settles() -> None:
 @pytest.mark.slow
 def test_loads_and_fixed_parts_of_a_buoy() -> None:
     design = quick_design("buoy", com={})  # as the template has it
-    loads = uncertain_loads(design)
-    assert {load.part for load in loads} == {"battery", "electronics", "ballast"}
-    parts = {part.name: part for part in weighed_parts(design, load_process("injection"), loads)}
+    assert {load.part for load in design.loads} == {"battery", "electronics", "ballast"}
+    parts = {part.name: part for part in weighed_parts(design, load_process("injection"))}
     assert parts["ballast"].carrier == "buoy-lower"
     assert parts["eye-bolt"].carrier is None  # it is in the mooring's recess
     assert parts["battery"].role == "payload"
+    # Whatever its centre of mass is above: the tube that holds both stands in the lower half.
+    upper = {name for name, part in parts.items() if part.upper and not name.startswith("closure-screw-")}
+    assert upper == {"buoy-upper", "port-plug", "port-seal"}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
@@ -99,6 +100,7 @@ def design_buoy(
     openings = displaced((*layout.fixed_openings, *closure.openings), parting)
     floating = float_buoy(body, _flooded(openings), assembly, layout.frame.up, water)
     soft = smooth_census(body, assembly.com_mm).rest.soft_direction
+    loads = contents.loads(spec, battery)
     return ProductDesign(
         spec=spec,
         body=body,
@@ -106,7 +108,9 @@ def design_buoy(
         assembly=assembly,
         placement=placement,
         openings=openings,
-        uncertainties=load_uncertainties(assembly, contents.loads(spec, battery), soft),
+        uncertainties=load_uncertainties(assembly, loads, soft),
+        loads=loads,
+        upper_parts=workshop.upper_parts(assembly.parts),
         parting_direction=layout.frame.up,
         parting=parting,
         documents=lambda verdict: {HYDROSTATICS_FILE: hydrostatics_document(floating, assembly, verdict)},
@@ -192,19 +196,26 @@ class _Workshop:
         if layout.closure.plugs:
             closure = layout.closure.moved(np.array(shift_mm))
             made += plug_parts(closure, self._plastic, _COLORS[UPPER], sag_um, PLUG)
-        parts = (*made, *self._contents.at(np.array(shift_mm)))
-        return Assembly("buoy", tuple(self._stepped(part) for part in parts), self._target_mm)
+        parts = self._stepped((*made, *self._contents.at(np.array(shift_mm))))
+        return Assembly("buoy", parts, self._target_mm)
 
-    def _stepped(self, part: Part) -> Part:
-        """The part displaced by the seam's gap and step, if it belongs to the upper half."""
-        layout, parting = self._layout, parting_of(self._layout.frame, self._spec.split)
-        if not parting.is_displaced:
-            return part
-        upper = {UPPER, *layout.closure.upper_parts}
+    def upper_parts(self, parts: Iterable[Part]) -> frozenset[str]:
+        """Names of the parts that go with the upper half."""
+        layout = self._layout
+        names = {UPPER, *layout.closure.upper_parts}
         if layout.port is not None and layout.port.in_upper:
-            upper |= {"port-plug", "port-seal"}
-        is_plug = part.name.startswith(PLUG) and np.dot(part.com_mm, layout.frame.up) > layout.seam_mm
-        return part.moved(np.array(parting.shift_mm)) if is_plug or part.name in upper else part
+            names |= {"port-plug", "port-seal"}
+        plugs = (part for part in parts if part.name.startswith(PLUG))
+        names |= {plug.name for plug in plugs if np.dot(plug.com_mm, layout.frame.up) > layout.seam_mm}
+        return frozenset(names)
+
+    def _stepped(self, parts: tuple[Part, ...]) -> tuple[Part, ...]:
+        """The parts, those of the upper half displaced by the seam's gap and step."""
+        parting = parting_of(self._layout.frame, self._spec.split)
+        if not parting.is_displaced:
+            return parts
+        upper, shift = self.upper_parts(parts), np.array(parting.shift_mm)
+        return tuple(part.moved(shift) if part.name in upper else part for part in parts)
 
 
 def _flooded(openings: tuple[PlacedOpening, ...]) -> tuple[Tool, ...]:

@@ -92,7 +92,7 @@ class HousingParts:
         sag = self.spec.mesh.sag_um
         plugs = (*self._cable_plug(), *plug_parts(closure, self.plastic, _PLUG_COLOR, sag, _CLOSURE_PLUG))
         parts = (*halves, *plugs, *contents, *closure.parts, *trims)
-        return self._lifted(parts, self._upper_names(placement, closure, plugs))
+        return self._lifted(parts, self.upper_parts(parts, placement))
 
     def with_meshes(self, parts: Iterable[Part], placement: ComPlacement) -> tuple[Part, ...]:
         """The parts, the halves with their meshes and boundaries."""
@@ -128,11 +128,11 @@ class HousingParts:
         # Its flat inner face lies on the printer's bed.
         return (replace(part, mesh=mesh, boundary=Boundary.of_plug(body, tool), print_up=tool.direction),)
 
-    def _upper_names(
-        self, placement: ComPlacement, closure: ClosureLayout, plugs: Iterable[Part]
-    ) -> frozenset[str]:
-        """Parts that go with the upper half."""
+    def upper_parts(self, parts: Iterable[Part], placement: ComPlacement) -> frozenset[str]:
+        """Names of the parts that go with the upper half."""
+        closure = self.closure(placement)
         up, seam = np.array(self.layout.frame.up), np.array(closure.seam.origin_mm)
+        plugs = (part for part in parts if part.name.startswith((CABLE_PLUG, _CLOSURE_PLUG)))
         names = {UPPER, *closure.upper_parts}
         names |= {trim.name for trim in placement.trims if np.dot(trim.site.axis, up) > 0.0}
         names |= {plug.name for plug in plugs if (np.array(plug.com_mm) - seam) @ up > 0.0}

@@ -99,6 +99,8 @@ def design_imu_housing(
         uncertainties=load_uncertainties(
             assembly, mounted.loads, _soft_direction(body, assembly.com_mm, layout.frame)
         ),
+        loads=mounted.loads,
+        upper_parts=parts.upper_parts(assembly.parts, placement),
         parting_direction=layout.frame.up,
         parting=parting,
         documents=partial(calibration_documents, assembly, mounted, spec.tolerances),

@@ -37,6 +37,11 @@ class Casing(ABC):
         """Mass of bought parts, which move with the core."""
         return 0.0
 
+    @property
+    def upper_parts(self) -> frozenset[str]:
+        """Names of the parts that go with the upper half."""
+        return frozenset()
+
     @abstractmethod
     def parts(self, pod: HollowBody, shell: Material) -> tuple[Part, ...]:
         """Made and bought parts in place, without meshes.
@@ -103,6 +108,11 @@ class SplitCasing(Casing):
     def bought_mass_g(self) -> float:
         """Mass of the pins."""
         return sum(part.mass_g for part in self.closure.parts)
+
+    @property
+    def upper_parts(self) -> frozenset[str]:
+        """The upper half and what stays in it."""
+        return frozenset({UPPER, *self.closure.upper_parts})
 
     def parts(self, pod: HollowBody, shell: Material) -> tuple[Part, ...]:
         """The halves and what the closure brings."""

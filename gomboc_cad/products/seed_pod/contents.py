@@ -13,6 +13,7 @@ from gomboc_cad.body.sphere import Array
 from gomboc_cad.equilibria.records import as_vector
 from gomboc_cad.products.assembly import Assembly, Part
 from gomboc_cad.products.design import Uncertainty
+from gomboc_cad.products.loads import UncertainLoad
 from gomboc_cad.products.materials import Material, load_material
 from gomboc_cad.products.seed_pod.layout import PodLayout
 from gomboc_cad.products.seed_pod.seeds import Seed
@@ -149,6 +150,25 @@ def uncertainties_of(
             )
         )
     return tuple(found)
+
+
+def loads_of(
+    spec: SeedPodSpec, layout: PodLayout, seed: Seed, assembly: Assembly
+) -> tuple[UncertainLoad, ...]:
+    """Seed and filling with their tolerances; a filling of less than all of the room settles to one side.
+
+    Args:
+        spec: What is asked for.
+        layout: Where things are.
+        seed: The seed.
+        assembly: The finished pod.
+    """
+    kernel = UncertainLoad(SEED, seed.mass_scatter_g, spec.seed.play_mm)
+    filling = next((part for part in assembly.parts if part.name == SUBSTRATE), None)
+    if filling is None:
+        return (kernel,)
+    settled_mm = loose_shift_mm(layout, spec.substrate.fill) if spec.substrate.fill < 1.0 else 0.0
+    return kernel, UncertainLoad(SUBSTRATE, spec.substrate.mass_scatter * filling.mass_g, settled_mm)
 
 
 def loose_shift_mm(layout: PodLayout, fill: float) -> float:

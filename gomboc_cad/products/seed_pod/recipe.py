@@ -26,6 +26,7 @@ from gomboc_cad.products.seed_pod.contents import (
     SUBSTRATE,
     Contents,
     contents_of,
+    loads_of,
     substrate_of,
     uncertainties_of,
 )
@@ -147,6 +148,8 @@ def design_seed_pod(
         placement=placement,
         openings=(layout.exit,),
         uncertainties=uncertainties_of(spec, layout, seed, assembly),
+        loads=loads_of(spec, layout, seed, assembly),
+        upper_parts=pod.casing.upper_parts,
         parting_direction=layout.frame.up,
         parting=None
         if layout.way_in is not None
