@@ -103,6 +103,25 @@ class FoundRests:
         return result
 
 
+class OpenPlaces(NamedTuple):
+    """Cells of the grid that may hold a rest.
+
+    Attributes:
+        row: Variant of each, shape (k,).
+        cell: Its number in the grid, shape (k,).
+        upper: Whether the displaced upper part is meant, shape (k,).
+    """
+
+    row: IntArray
+    cell: IntArray
+    upper: BoolArray
+
+    def of(self, variants: BoolArray) -> OpenPlaces:
+        """Those of some variants, chosen by flags of shape (n,)."""
+        chosen = variants[self.row]
+        return OpenPlaces(self.row[chosen], self.cell[chosen], self.upper[chosen])
+
+
 @dataclass(eq=False)
 class RestSearch:
     """Finds the rests of the smooth surface of a block of variants.
@@ -129,8 +148,8 @@ class RestSearch:
     def _unit_mm(self) -> float:
         return self.bodies.body.radius_mm
 
-    def run(self, screened: Screened) -> FoundRests:
-        """Find the rests that a screening foresees or leaves open."""
+    def refine(self, screened: Screened) -> OpenPlaces:
+        """Find the rests that a screening foresees; what is left to be looked into."""
         cell = screened.cell
         upper = self._is_upper(screened.row, cell)
         failed = self._refine(screened.row, screened.place, self.grid.reach_mm[cell], upper)
@@ -138,9 +157,7 @@ class RestSearch:
         cell = np.concatenate([screened.open_cell, cell[failed]])
         split = (self.grid.upper[cell] == 0.5) & (self.changes.shift_mm[row] > 0.0)
         upper = np.concatenate([self._is_upper(row, cell), np.ones(int(split.sum()), dtype=bool)])
-        row, cell = np.concatenate([row, row[split]]), np.concatenate([cell, cell[split]])
-        self._look_into(row, cell, upper)
-        return self.found
+        return OpenPlaces(np.concatenate([row, row[split]]), np.concatenate([cell, cell[split]]), upper)
 
     def _is_upper(self, row: IntArray, cell: IntArray) -> BoolArray:
         """Whether a cell is in the displaced part; without a displacement it does not matter."""
@@ -204,9 +221,15 @@ class RestSearch:
         index = index[~known]
         self.found.add(row[index], direction[index], upper[index], slopes.rows(index))
 
-    def _look_into(self, row: IntArray, cell: IntArray, upper: BoolArray) -> None:
-        """Split cells until it is known whether a rest is in them."""
+    def look_into(self, places: OpenPlaces, elsewhere: IntArray) -> None:
+        """Split cells until it is known whether a rest is in them.
+
+        Args:
+            places: The cells.
+            elsewhere: How many rests each variant has besides, shape (n,); two in all settle it.
+        """
         grid, changes = self.grid, self.changes
+        row, cell, upper = places
         kappa = grid.curvature_per_mm[cell, 0]
         rate = grid.rate_per_mm[cell] * (1.0 + changes.stretch[row]) + changes.third_mm[row] * kappa**2
         rate = rate + changes.bend_mm[row] * grid.curvature_rate[cell]
@@ -214,14 +237,14 @@ class RestSearch:
         visited = np.zeros(len(self.found.count), dtype=np.int64)
         for _ in range(_DEEPEST):
             visited += np.bincount(cells.row, minlength=len(visited))
-            wanted = (self.found.count < _ENOUGH) & (visited < _MOST_CELLS_PER_VARIANT)
+            wanted = (self.found.count + elsewhere < _ENOUGH) & (visited < _MOST_CELLS_PER_VARIANT)
             cells = cells.rows(wanted[cells.row]).split()
             if len(cells.row) == 0:
                 break
             cells = cells.rows(self._left(cells))
         open_rows = np.bincount(cells.row, minlength=len(visited)) > 0
         open_rows |= visited >= _MOST_CELLS_PER_VARIANT
-        self.found.undecided |= open_rows & (self.found.count < _ENOUGH)
+        self.found.undecided |= open_rows & (self.found.count + elsewhere < _ENOUGH)
 
     def _left(self, cells: _OpenCells) -> BoolArray:
         """Which cells are still undecided, shape (k,); rests that are met on the way are noted."""

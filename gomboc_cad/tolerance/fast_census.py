@@ -16,7 +16,7 @@ from gomboc_cad.body import Body
 from gomboc_cad.body.sphere import Array, BoolArray, IntArray
 from gomboc_cad.equilibria import find_equilibria
 from gomboc_cad.equilibria.records import Vector
-from gomboc_cad.tolerance.exact_rests import FoundRests, RestSearch
+from gomboc_cad.tolerance.exact_rests import FoundRests, OpenPlaces, RestSearch
 from gomboc_cad.tolerance.harmonics import highest_degree
 from gomboc_cad.tolerance.made_bodies import MadeBodies
 from gomboc_cad.tolerance.opening_rests import OpeningCensus, nominal_rim_direction
@@ -129,17 +129,18 @@ class _Block:
     def outcomes(self, count: int) -> Outcomes:
         """Outcomes of the first so many."""
         n = len(self.variants)
-        found = RestSearch(self.grid, self.bodies, self.changes, self.nominal.seam).run(self.screened)
+        search = RestSearch(self.grid, self.bodies, self.changes, self.nominal.seam)
         openings = OpeningCensus(self.nominal, self.variants, self.bodies, self.changes)
-        edge = self.edge()
-        kept = ~openings.swallowed(found)
-        parts, undecided = [], found.undecided | ~self.convex()
+        left, found, edge = search.refine(self.screened), search.found, self.edge()
+        parts, elsewhere, undecided = [], np.zeros(n, dtype=np.int64), ~self.convex()
         if edge is not None:
             on_edge = edge_rests(self.line(), self.bodies, self.changes, edge)
-            kept &= ~self.overtopped(found)
             undecided |= on_edge.undecided
             across = np.stack([on_edge.along, np.full(len(on_edge.along), np.inf)], axis=1)
             parts.append(_Rests(on_edge.row, on_edge.direction, on_edge.height, across))
+            elsewhere = np.bincount(on_edge.row, minlength=n)
+        kept = self.look_into(left, search, elsewhere, openings)
+        undecided |= found.undecided
         on_rim = openings.rests(found)
         parts.append(_Rests(*on_rim, np.full((len(on_rim.row), 2), np.inf)))
         slopes = found.slopes.rows(kept)
@@ -167,6 +168,28 @@ class _Block:
             s_margin_mm=margin[:count],
             stiffness_mm=stiffness[:count],
         )
+
+    def look_into(
+        self, left: OpenPlaces, search: RestSearch, elsewhere: IntArray, openings: OpeningCensus
+    ) -> BoolArray:
+        """Look into what the screening left open, until two rests of a variant are known.
+
+        Returns:
+            Which smooth rests neither an opening nor the rim of the other half takes away, shape (k,).
+        """
+        found, n = search.found, len(self.variants)
+
+        def kept() -> BoolArray:
+            result: BoolArray = ~openings.swallowed(found) & ~self.overtopped(found)
+            return result
+
+        search.look_into(left, elsewhere)
+        number = np.bincount(found.row[kept()], minlength=n) + elsewhere
+        # Two were known with one that is taken away.
+        cut_short = (found.count + elsewhere > 1) & (found.count < 2) & (number < 2)
+        if cut_short.any():
+            search.look_into(left.of(cut_short), np.zeros(n, dtype=np.int64))
+        return kept()
 
     def line(self) -> SeamLine:
         """The seam of the nominal body."""

@@ -24,7 +24,7 @@ from gomboc_cad.body.sphere import Array, IntArray, geodesic_triangulation, tang
 from gomboc_cad.errors import GombocError
 
 LOWEST_DEGREE = 2
-_CHUNK = 1024
+_CHUNK = 256
 """Points at a time: the table of a chunk fits into the cache of a core."""
 
 _FEW = 512

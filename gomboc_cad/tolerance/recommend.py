@@ -247,8 +247,12 @@ class _Trial:
         return Proposal("tighten", source.name, source.size, size, source.unit, checked, source.best)
 
     def made_by(self, name: str, model: StudyModel) -> Proposal:
-        """Another process."""
-        return Proposal("process", name, 0.0, 0.0, "", self._confirmed([1.0], lambda _: model))
+        """Another process; fresh rows are spent only on one that may do."""
+        if accepted(model, self.target, self.effort.search_rows, self.executor):
+            checked = self._confirmed([1.0], lambda _: model)
+        else:
+            checked = self._as_far_as_it_goes(model, 1.0)
+        return Proposal("process", name, 0.0, 0.0, "", checked)
 
     def _confirmed(self, values: Sequence[float], made: Callable[[float], StudyModel]) -> Checked:
         # Stream 1 has shown that something must be changed.
