@@ -5,7 +5,9 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import trimesh
@@ -18,12 +20,14 @@ from gomboc_cad.equilibria.records import Vector
 from gomboc_cad.errors import GeometryError, InspectionError
 from gomboc_cad.solid.audit import audit_mesh
 from gomboc_cad.solid.boundary import Boundary
+from gomboc_cad.solid.content import Content, mesh_content, solid_content
+from gomboc_cad.solid.facets import facet_normals
 from gomboc_cad.solid.mass import solid_mass
 from gomboc_cad.solid.mesh import Mesh
 from gomboc_cad.solid.mesh_distance import MeshDistance, mesh_distance
 from gomboc_cad.solid.mesh_reading import read_3mf, read_stl
 from gomboc_cad.solid.patches import max_deviation_um
-from gomboc_cad.solid.step import read_step
+from gomboc_cad.solid.step import NamedSolid, read_step
 
 MASS_TOLERANCE = 1e-6
 """Relative error allowed to a volume, and error allowed to a COM over the part's reach: 0.1 µm on 100 mm."""
@@ -78,6 +82,10 @@ class PartInspection:
     facets: int | None = None
 
 
+_Found = tuple[PartInspection, tuple[str, ...]]
+"""What was found of a part, and a sentence for each fault."""
+
+
 @dataclass(frozen=True)
 class FileInspection:
     """What was found of one file.
@@ -109,15 +117,22 @@ def problems_of(files: Iterable[FileInspection]) -> tuple[str, ...]:
     return tuple(f"{file.name}: {problem}" for file in files for problem in file.problems)
 
 
-def inspect_file(path: Path, expected: Sequence[Expected], audit: bool = False) -> FileInspection:
+def inspect_file(
+    path: Path,
+    expected: Sequence[Expected],
+    audit: bool = False,
+    solids: Sequence[NamedSolid] | None = None,
+) -> FileInspection:
     """Read a STEP, STL or 3MF file back and check it.
 
-    Whatever is wrong with the content is a problem in the record and never an exception.
+    Whatever is wrong with the content is a problem in the record and never an exception. A part that several
+    files hold, the same to the last bit, is measured once.
 
     Args:
         path: The file.
         expected: Its parts, in any order; an STL file has one, whose name it does not carry.
         audit: Have meshes checked by PyMeshLab too, for self-intersections among other things.
+        solids: The parts of a STEP file that was read already; they are not read again.
 
     Raises:
         InspectionError: If there is no such file, or its kind is not known.
@@ -135,7 +150,11 @@ def inspect_file(path: Path, expected: Sequence[Expected], audit: bool = False) 
     by_name = {part.name: part for part in expected}
     try:
         if kind == "step":
-            found = [_inspect_brep(n, solid, by_name.get(n)) for n, solid in _step_parts(path)]
+            parts_read = read_step(path) if solids is None else solids
+            found = [
+                _inspect_brep(part.name, solid_content(part.solid), by_name.get(part.name))
+                for part in parts_read
+            ]
         else:
             stl_name = expected[0].name if expected else path.stem
             meshes = read_3mf(path) if kind == "3mf" else [(stl_name, read_stl(path))]
@@ -151,10 +170,6 @@ def inspect_file(path: Path, expected: Sequence[Expected], audit: bool = False) 
     )
 
 
-def _step_parts(path: Path) -> Iterable[tuple[str, Shape]]:
-    return ((part.name, part.solid) for part in read_step(path))
-
-
 def _presence_problems(file: str, expected: Iterable[str], found: Sequence[str]) -> list[str]:
     """Sentences about parts that are missing, unknown or there more than once."""
     problems = [f"{file} lacks the part {name!r}." for name in expected if name not in found]
@@ -165,13 +180,15 @@ def _presence_problems(file: str, expected: Iterable[str], found: Sequence[str])
     return problems
 
 
-def _inspect_brep(name: str, shape: Shape, expected: Expected | None) -> tuple[PartInspection, list[str]]:
+@lru_cache(maxsize=32)
+def _inspect_brep(name: str, solid: Content[Shape], expected: Expected | None) -> _Found:
     """Check one part of a STEP file."""
+    shape = solid.of
     solids = shape.solids()
     if len(solids) != 1:
-        return PartInspection(name, False), [f"{name} is {len(solids)} solids where it should be one."]
+        return PartInspection(name, False), (f"{name} is {len(solids)} solids where it should be one.",)
     if not BRepCheck_Analyzer(shape.wrapped).IsValid():
-        return PartInspection(name, False), [f"{name} is not a valid solid for OCCT."]
+        return PartInspection(name, False), (f"{name} is not a valid solid for OCCT.",)
     mass = solid_mass(shape)
     problems: list[str] = []
     distance_um = None
@@ -189,35 +206,31 @@ def _inspect_brep(name: str, shape: Shape, expected: Expected | None) -> tuple[P
                 problems.append(f"{name}: {error}")
             else:
                 problems += _distance_problems(name, distance_um, expected.distance_um)
-    return PartInspection(name, True, mass.volume_mm3, mass.com_mm, distance_um), problems
+    return PartInspection(name, True, mass.volume_mm3, mass.com_mm, distance_um), tuple(problems)
 
 
-def inspect_mesh(
-    name: str, mesh: Mesh, expected: Expected | None, audit: bool = False
-) -> tuple[PartInspection, list[str]]:
+def inspect_mesh(name: str, mesh: Mesh, expected: Expected | None, audit: bool = False) -> _Found:
     """Check one mesh of an STL or 3MF file; gives what was found and a sentence for each fault."""
+    return _inspect_mesh(name, mesh_content(mesh), expected, audit)
+
+
+@lru_cache(maxsize=16)
+def _inspect_mesh(name: str, content: Content[Mesh], expected: Expected | None, audit: bool) -> _Found:
+    mesh = content.of
     facets = len(mesh.faces)
     problems = [f"{name} {fault}." for fault in audit_mesh(mesh)] if audit else []
-    tri = trimesh.Trimesh(mesh.vertices_mm, mesh.faces, process=False)
-    if not tri.is_watertight:
-        problems.append(f"{name} is not watertight: {_open_edges(mesh)} edges do not join two facets.")
-    elif not tri.is_winding_consistent:
-        problems.append(f"{name} has facets that are turned over.")
-    elif tri.volume <= 0.0:
-        problems.append(f"{name} is inside out.")
-    manifold = Manifold(Mesh64(mesh.vertices_mm, mesh.faces.astype(np.uint64)))
-    if manifold.status() != Error.NoError:
-        problems.append(f"{name} is not a manifold for manifold3d ({manifold.status().name}).")
+    closed = _closed(content)
+    problems += [f"{name} {fault}." for fault in closed.faults]
     if problems:
-        return PartInspection(name, False, facets=facets), problems
+        return PartInspection(name, False, facets=facets), tuple(problems)
     mass = mesh.mass()
     distance_um = None
     if expected is not None:
         reach_mm = 0.5 * float(np.linalg.norm(np.ptp(mesh.vertices_mm, axis=0)))
         if expected.boundary is None:
-            problems += _loose_mass_problems(mass, expected, float(tri.area), reach_mm)
+            problems += _loose_mass_problems(mass, expected, float(facet_normals(mesh)[1].sum()), reach_mm)
         else:
-            gap = mesh_distance(mesh, manifold, expected.boundary, expected.distance_um)
+            gap = mesh_distance(mesh, closed.manifold, expected.boundary, expected.distance_um)
             distance_um = max(gap.from_mesh_um, gap.to_mesh_um)
             problems += _distance_problems(name, distance_um, expected.distance_um)
             if not 1e-3 * gap.corners_um <= MASS_TOLERANCE * reach_mm:
@@ -226,7 +239,30 @@ def inspect_mesh(
                     "the model's surface, on which they should lie."
                 )
             problems += _corrected_mass_problems(mass, gap, expected, reach_mm)
-    return PartInspection(name, True, mass.volume_mm3, mass.com_mm, distance_um, facets), problems
+    return PartInspection(name, True, mass.volume_mm3, mass.com_mm, distance_um, facets), tuple(problems)
+
+
+class _Closed(NamedTuple):
+    """What is wrong with the boundary of a mesh, for two libraries, and the mesh as one of them has it."""
+
+    faults: tuple[str, ...]
+    manifold: Manifold
+
+
+@lru_cache(maxsize=16)
+def _closed(content: Content[Mesh]) -> _Closed:
+    mesh, faults = content.of, []
+    tri = trimesh.Trimesh(mesh.vertices_mm, mesh.faces, process=False)
+    if not tri.is_watertight:
+        faults.append(f"is not watertight: {_open_edges(mesh)} edges do not join two facets")
+    elif not tri.is_winding_consistent:
+        faults.append("has facets that are turned over")
+    manifold = Manifold(Mesh64(mesh.vertices_mm, mesh.faces.astype(np.uint64)))
+    if manifold.status() != Error.NoError:
+        faults.append(f"is not a manifold for manifold3d ({manifold.status().name})")
+    elif not faults and manifold.volume() <= 0.0:
+        faults.append("is inside out")
+    return _Closed(tuple(faults), manifold)
 
 
 def _open_edges(mesh: Mesh) -> int:

@@ -88,7 +88,8 @@ def _facet_distances(mesh: Mesh, boundary: Boundary, near_mm: float) -> tuple[Ar
             left = np.flatnonzero(largest > near_mm)
         else:
             near = tree.query_ball_point(surface.center_mm, surface.reach_mm + near_mm)
-            left = np.sort([facet for facet in near if largest[facet] > near_mm]).astype(np.int64)
+            left = np.sort(np.array(near, dtype=np.int64))
+            left = left[largest[left] > near_mm]
         at_corners = _at_used(surface.distance_mm, mesh.vertices_mm, mesh.faces[left])
         touching = (np.abs(at_corners) <= near_mm).all(axis=1)
         on, corners = left[touching], at_corners[touching]
@@ -114,9 +115,11 @@ def _worst_corner_mm(corners_mm: Array, boundary: Boundary) -> Array:
 
 def _at_used(function: Callable[[Array], Array], points: Array, indices: IntArray) -> Array:
     """Values of a function at the indexed points, each computed once, in the shape of the indices."""
-    used, places = np.unique(indices, return_inverse=True)
-    values: Array = function(points[used])[places.reshape(indices.shape)]
-    return values
+    used = np.zeros(len(points), dtype=bool)
+    used[indices] = True
+    values = np.empty(len(points))
+    values[used] = function(points[used])
+    return values[indices]
 
 
 def _to_mesh_um(manifold: Manifold, boundary: Boundary, promised_um: float) -> float:

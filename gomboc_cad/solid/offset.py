@@ -20,7 +20,9 @@ from gomboc_cad.equilibria.records import Vector
 from gomboc_cad.errors import GeometryError
 
 _NEWTON_STEPS = 12
-_CHUNK = 100_000
+_CHUNK = 16_384
+"""Points at a time: so many that their arrays stay in the processor's cache."""
+
 _QUADRATURE_ORDERS = (32, 64, 128, 256, 512)
 
 

@@ -128,7 +128,14 @@ def _parts(label: TDF_Label, place: TopLoc_Location) -> list[NamedSolid]:
         XCAFDoc_ShapeTool.GetComponents_s(target, components)
         return [part for component in components for part in _parts(component, place)]
     shape = XCAFDoc_ShapeTool.GetShape_s(target)
-    return [NamedSolid(_name(target), Shape.cast(shape.Moved(place)))]
+    return [NamedSolid(_name(target), Shape.cast(shape if _stays(place) else shape.Moved(place)))]
+
+
+def _stays(place: TopLoc_Location) -> bool:
+    """Whether a location, which an assembly gives to every part, moves nothing."""
+    matrix = place.Transformation()
+    rows = [[matrix.Value(i, j) for j in (1, 2, 3, 4)] for i in (1, 2, 3)]
+    return rows == [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]
 
 
 def _name(label: TDF_Label) -> str:

@@ -199,9 +199,12 @@ class SurfaceSampler:
     def _measured(self, face: IntArray, uv: Array, corners: Array, parent_sag: Array) -> _Triangles:
         """Evaluate the middles of the sides, keep those on the part, and tell the sag from them."""
         middle_uv = 0.5 * (uv + np.roll(uv, -1, axis=1))
-        middles, inside = self._evaluated(np.repeat(face, 3), middle_uv.reshape(-1, 2))
-        self._kept = np.concatenate([self._kept, np.unique(middles[inside], axis=0)])
-        middles = middles.reshape(-1, 3, 3)
+        # Two triangles of a face have the middle of the side between them in common.
+        sides = np.column_stack([np.repeat(face, 3).astype(np.float64), middle_uv.reshape(-1, 2)])
+        places, row = np.unique(sides, axis=0, return_inverse=True)
+        points, inside = self._evaluated(places[:, 0].astype(np.int64), places[:, 1:])
+        self._kept = np.concatenate([self._kept, np.unique(points[inside], axis=0)])
+        middles = points[row].reshape(-1, 3, 3)
         sag = np.maximum(_sag(corners, middles), _LEAST_SHARE * parent_sag)
         return _Triangles(face, uv, corners, middles, sag)
 

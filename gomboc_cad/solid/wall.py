@@ -16,7 +16,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -24,7 +23,7 @@ from scipy.spatial import cKDTree
 
 from gomboc_cad.body.sphere import Array, IntArray, tangent_frame
 from gomboc_cad.equilibria.records import Vector, as_vector
-from gomboc_cad.solid.facets import facet_normals, nearest_on_facets, spread_points
+from gomboc_cad.solid.facets import Facets, facet_normals, nearest_on_facets, spread_points
 from gomboc_cad.solid.mesh import Mesh
 
 _SAMPLES = 60_000
@@ -182,14 +181,14 @@ class _Surface:
         for _ in range(_ROUNDS):
             # What a sphere at any point of the net can touch.
             near = self._around(place - 0.5 * thickness * normal, 0.55 * thickness + 2.0 * width)
-            local, outward = self.corners[near], self.normals[near]
+            local, outward = Facets(self.corners[near]), self.normals[near]
             spread = place + width * net @ np.concatenate(tangent_frame(normal[None]))
-            points, facets = nearest_on_facets(spread, local)
+            points, facets = local.nearest(spread)
             found = _walls(
                 points,
                 outward[facets],
                 np.full(len(points), 1.1 * thickness),
-                partial(_nearest_places, local),
+                local.nearest_points,
             )
             row = int(found.thickness.argmin())
             if found.thickness[row] < best.thickness:
@@ -197,11 +196,6 @@ class _Surface:
                 place, normal, thickness = best.place, outward[facets[row]], float(best.thickness)
             width *= _SHRINK
         return best
-
-
-def _nearest_places(corners: Array, places: Array) -> Array:
-    """The nearest points of facets, given by their corners (m, 3, 3), to places (n, 3), shape (n, 3)."""
-    return nearest_on_facets(places, corners)[0]
 
 
 def _walls(

@@ -140,7 +140,7 @@ def _drilled(shape: TopoDS_Shape, hollow: HollowBody) -> Solid:
     for _ in range(_TRIALS):
         cut = boolean(BRepAlgoAPI_Cut(), [shape], itertools.starmap(tool_shape, turn_rad.items()))
         pieces = solids_of(cut)
-        body = max(pieces, key=lambda solid: solid.volume)
+        body = max(pieces, key=lambda solid: solid.bounding_box(optimal=False).diagonal)
         inside = is_inside(body, [probe for _, probe in probes])
         left = [tool for (tool, _), still_there in zip(probes, inside, strict=True) if still_there]
         if not left:
