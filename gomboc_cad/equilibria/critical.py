@@ -10,12 +10,13 @@ local minima on a grid.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from gomboc_cad.body.sphere import Array, BoolArray, unit
-from gomboc_cad.body.surface import Body
+from gomboc_cad.body.surface import Body, RadialJet
 from gomboc_cad.equilibria.cells import CORNER_SAFETY, Cells
 from gomboc_cad.errors import DegenerateEquilibriaError
 
@@ -36,7 +37,11 @@ class DistanceJet(NamedTuple):
 
 def distance_jet(body: Body, directions: Array, center_mm: Array) -> DistanceJet:
     """Covariant derivatives of `d(u) = |x(u) − c|²/2 / R₀²` on the sphere of directions u."""
-    jet = body.radial_jet(directions)
+    return _about(body, body.radial_jet(directions), directions, center_mm)
+
+
+def _about(body: Body, jet: RadialJet, directions: Array, center_mm: Array) -> DistanceJet:
+    """`distance_jet` from the radius, which does not depend on the COM."""
     scale = 1.0 / body.radius_mm
     r, v, bend = jet.radius_mm * scale, jet.gradient_mm * scale, jet.hessian_mm * scale
     c = center_mm * scale
@@ -58,13 +63,15 @@ def critical_directions(body: Body, center_mm: Array) -> Array:
         DegenerateEquilibriaError: If they are not isolated at the finest resolution.
     """
     cells = Cells.covering_sphere(_START_LEVEL)
-    corner_hessians = _hessian_in_space(distance_jet(body, cells.vertices, center_mm))
+    at_corners, at_centers = _first_jets(body)
+    corner_hessians = _hessian_in_space(_about(body, at_corners, cells.vertices, center_mm))
+    middle = _about(body, at_centers, cells.centers(), center_mm)
     found = np.empty((0, 3))
     visited = 0
     while True:
         visited += len(cells)
         radii = cells.radii()
-        excluded, regular = _classify(body, cells, corner_hessians, center_mm)
+        excluded, regular = _classify(cells, corner_hessians, middle)
         found = np.concatenate([found, _newton(body, cells.centers()[regular], radii[regular], center_mm)])
         rest = ~(excluded | regular)
         hopeless = visited + 4 * int(rest.sum()) > _MAX_CELLS or np.any(radii[rest] < _SMALLEST_RADIUS)
@@ -81,6 +88,14 @@ def critical_directions(body: Body, center_mm: Array) -> Array:
         cells = cells.subdivided(rest)
         fresh = _hessian_in_space(distance_jet(body, cells.vertices[known:], center_mm))
         corner_hessians = np.concatenate([corner_hessians, fresh])
+        middle = distance_jet(body, cells.centers(), center_mm)
+
+
+@lru_cache(maxsize=4)
+def _first_jets(body: Body) -> tuple[RadialJet, RadialJet]:
+    """The radius at corners and centres of the first cells; kept, since a body is asked about many COMs."""
+    cells = Cells.covering_sphere(_START_LEVEL)
+    return body.radial_jet(cells.vertices), body.radial_jet(cells.centers())
 
 
 def _hessian_in_space(jet: DistanceJet) -> Array:
@@ -89,11 +104,14 @@ def _hessian_in_space(jet: DistanceJet) -> Array:
     return result
 
 
-def _classify(
-    body: Body, cells: Cells, corner_hessians: Array, center_mm: Array
-) -> tuple[BoolArray, BoolArray]:
-    """Say of each cell whether it holds no critical point, and whether it holds one at most."""
-    jet = distance_jet(body, cells.centers(), center_mm)
+def _classify(cells: Cells, corner_hessians: Array, jet: DistanceJet) -> tuple[BoolArray, BoolArray]:
+    """Say of each cell whether it holds no critical point, and whether it holds one at most.
+
+    Args:
+        cells: The cells.
+        corner_hessians: Hessians at their corners as forms in space.
+        jet: Derivatives at their centres.
+    """
     difference = corner_hessians[cells.triangles] - _hessian_in_space(jet)[:, None]
     change = CORNER_SAFETY * np.linalg.norm(difference, axis=(2, 3)).max(axis=1)
     values, basis = np.linalg.eigh(jet.hessian)

@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from gomboc_cad.body.mass import mass_properties
 from gomboc_cad.body.sphere import Array, geodesic_triangulation
 from gomboc_cad.body.surface import Body
 from gomboc_cad.equilibria.convexity import convexity
+from gomboc_cad.equilibria.heights import BodyHeights
 from gomboc_cad.equilibria.mesh import mesh_census
 from gomboc_cad.equilibria.records import Census
 
@@ -34,4 +37,9 @@ def hull_census(body: Body, com: Sequence[float] | Array | None = None) -> Censu
         census = mesh_census(body.position_mm(directions), faces, mass.com_mm if com is None else com)
         if census.verdict != "undecided":
             break
-    return replace(census, mass_properties=mass, convexity=convexity(body))
+    return replace(
+        census,
+        mass_properties=mass,
+        convexity=convexity(body),
+        height_at=BodyHeights(body, np.array(census.com_mm)),
+    )

@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -39,6 +40,9 @@ from gomboc_cad.equilibria.convexity import as_point, require_strictly_convex
 from gomboc_cad.equilibria.records import Rest, Vector, as_vector
 from gomboc_cad.equilibria.rim import hole_rims_mm, ray_lengths_mm, rim_rest
 from gomboc_cad.equilibria.smooth import smooth_census
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _GRID_LEVEL = 5
 _STARTS = 4
@@ -104,6 +108,19 @@ class DrillMap:
     best: DrillLimits
     sites: DrillLimits
 
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the allowed radius by the direction of the outward normal, in Mollweide's projection.
+
+        Args:
+            ax: Axes of that projection to draw on; new ones if not given.
+
+        Returns:
+            The axes.
+        """
+        from gomboc_cad.report.drill_figures import plot_drill_map
+
+        return plot_drill_map(self, ax)
+
 
 def drill_map(body: Body, com: Sequence[float] | Array | None = None, *, sites: int = 500) -> DrillMap:
     """Map the largest hole or flat allowed over the whole surface.
@@ -119,7 +136,7 @@ def drill_map(body: Body, com: Sequence[float] | Array | None = None, *, sites: 
         CensusError: If the COM is not a finite point inside the body.
     """
     center = np.array(mass_properties(body).com_mm) if com is None else as_point(com)
-    rest = smooth_census(body, center).rest
+    rest = smooth_census(body, center, margins=False).rest
     spread = drill_limits(body, fibonacci_directions(sites), center)
     best = _limits(body, body.surface(_best_places(body, center, spread)), center)
     return DrillMap(
@@ -143,6 +160,18 @@ def drill_limits(body: Body, normals: Array, com: Sequence[float] | Array) -> Dr
     center = as_point(com)
     require_strictly_convex(body)
     return _limits(body, body.surface(touching_directions(body, normals)), center)
+
+
+def safe_radius_mm(body: Body, directions: Array, com: Sequence[float] | Array) -> Array:
+    """The safe radius alone, at the places in directions (n, 3) from the origin, shape (n,).
+
+    Raises:
+        NotConvexError: If the body is not strictly convex.
+        CensusError: If the COM is not three finite numbers.
+    """
+    center = as_point(com)
+    require_strictly_convex(body)
+    return _safe_radii_mm(body, body.surface(directions), center)
 
 
 def _limits(body: Body, points: SurfacePoints, center: Array) -> DrillLimits:

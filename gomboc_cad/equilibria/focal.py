@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from gomboc_cad.body.sphere import Array, geodesic_triangulation, unit
+from gomboc_cad.equilibria.cells import in_blocks
 from gomboc_cad.errors import CensusError
 
 _START_LEVEL = 4
@@ -28,15 +29,15 @@ def image_samples(image: Callable[[Array], Array], spacing_mm: Callable[[Array],
         Points of the image, shape (k, 3).
 
     Raises:
-        CensusError: If that would take more than five million points.
+        CensusError: If that would take more than twenty million points.
     """
     vertices, triangles = geodesic_triangulation(_START_LEVEL)
     directions, corners = vertices[triangles], image(vertices)[triangles]
     samples: list[Array] = []
     total = 0
     while len(directions):
-        centers = image(unit(directions.sum(axis=1)))
-        reach = np.linalg.norm(corners - centers[:, None], axis=2).max(axis=1)
+        centers = in_blocks(image, unit(directions.sum(axis=1)))
+        reach = _lengths(corners - centers[:, None]).max(axis=1)
         coarse = reach > spacing_mm(centers)
         samples.append(centers[~coarse])
         total += len(centers)
@@ -60,7 +61,7 @@ def _halved(
     rows = np.arange(len(order))[:, None]
     (a, b, c), (ia, ib, ic) = (part[rows, order].transpose(1, 0, 2) for part in (directions, corners))
     m = unit(a + b)
-    im = image(m)
+    im = in_blocks(image, m)
     return (
         np.concatenate([np.stack([a, m, c], axis=1), np.stack([m, b, c], axis=1)]),
         np.concatenate([np.stack([ia, im, ic], axis=1), np.stack([im, ib, ic], axis=1)]),
@@ -69,5 +70,11 @@ def _halved(
 
 def _edge_lengths(corners: Array) -> Array:
     """Lengths of the edges 01, 12 and 20 of triangles (n, 3, 3), shape (n, 3)."""
-    result: Array = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
+    return _lengths(corners[:, [1, 2, 0]] - corners)
+
+
+def _lengths(arms: Array) -> Array:
+    """Lengths of vectors (n, 3, 3) along the last axis, shape (n, 3)."""
+    x, y, z = arms.transpose(2, 0, 1)
+    result: Array = np.sqrt(x * x + y * y + z * z)
     return result

@@ -45,7 +45,7 @@ class Walls:
 
     def distance_mm(self, points_mm: Array, up_to_mm: float = np.inf) -> Array:
         """Distance to the nearest sample, infinite beyond `up_to_mm`, shape (n,)."""
-        return np.asarray(self.tree.query(points_mm, distance_upper_bound=up_to_mm)[0])
+        return np.asarray(self.tree.query(points_mm, distance_upper_bound=up_to_mm, workers=-1)[0])
 
     def gap_mm(self, point_mm: Array) -> float:
         """Distance of one point from the nearest sample."""

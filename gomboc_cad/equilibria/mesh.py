@@ -21,6 +21,7 @@ from gomboc_cad.body.mass import MassProperties, is_closed_mesh, mesh_mass
 from gomboc_cad.body.sphere import Array, BoolArray, IntArray, tangent_frame
 from gomboc_cad.equilibria.convexity import as_point
 from gomboc_cad.equilibria.extent import Relief
+from gomboc_cad.equilibria.heights import HullHeights
 from gomboc_cad.equilibria.hull import convex_polyhedron, coordinate_precision_mm
 from gomboc_cad.equilibria.persistence import MergeTree, merge_tree
 from gomboc_cad.equilibria.polyhedron import Landscape, landscape
@@ -222,6 +223,7 @@ def _census(
         reason=reason,
         mass_properties=mass,
         mesh=evidence,
+        height_at=HullHeights(ground.polyhedron.points_mm[ground.vertex_ids], ground.com_mm),
     )
 
 

@@ -179,6 +179,14 @@ def _children(places: IntArray) -> IntArray:
     return result
 
 
+def distinct(keys: IntArray) -> IntArray:
+    """Sort keys (n,) and drop repetitions: with integers several times as fast as `np.unique`."""
+    ordered = np.sort(keys)
+    first = np.ones(len(ordered), dtype=bool)
+    np.not_equal(ordered[1:], ordered[:-1], out=first[1:])
+    return ordered[first]
+
+
 def _contains(keys: IntArray, wanted: IntArray) -> BoolArray:
     """Which of the wanted keys are among sorted keys."""
     index = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
@@ -188,11 +196,11 @@ def _contains(keys: IntArray, wanted: IntArray) -> BoolArray:
 
 def _graded(split: list[IntArray]) -> tuple[IntArray, ...]:
     """Split whatever is needed so that all 26 neighbours of a split cell exist."""
-    graded = [np.unique(keys) for keys in split]
+    graded = [distinct(keys) for keys in split]
     for level in range(len(graded) - 1, 0, -1):
         around = (_place(graded[level])[:, None] + _AROUND).reshape(-1, 3)
         around = around[np.all((around >= 0) & (around < 2**level), axis=1)]
-        graded[level - 1] = np.union1d(graded[level - 1], _key(around >> 1))
+        graded[level - 1] = distinct(np.concatenate([graded[level - 1], _key(around >> 1)]))
     return tuple(graded)
 
 
@@ -235,8 +243,9 @@ def boundary(tetrahedra: IntArray, chosen: BoolArray) -> Crossing:
     ]
     pairs = np.concatenate(corners)
     keys = pairs[..., 0] * len(chosen) + pairs[..., 1]
-    unique, faces = np.unique(keys, return_inverse=True)
-    return Crossing(np.stack(np.divmod(unique, len(chosen)), axis=-1), faces.reshape(-1, 3))
+    unique = distinct(keys.ravel())
+    faces = np.searchsorted(unique, keys)
+    return Crossing(np.stack(np.divmod(unique, len(chosen)), axis=-1), faces)
 
 
 def _triangles(pairs: list[tuple[IntArray, IntArray]], rows: BoolArray) -> IntArray:

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Literal
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from gomboc_cad.body.mass import MassProperties
 from gomboc_cad.body.sphere import Array
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 Kind = Literal["stable", "unstable", "saddle"]
 Extent = Literal["point", "ring", "sphere"]
@@ -181,8 +185,10 @@ class Census:
         reason: One sentence for the verdict, which says what would decide it if it is `undecided`.
         mass_properties: Of the homogeneous body; None for a mesh that does not bound a solid.
         convexity: Extremes of curvature; None for a mesh.
-        margin: How far the COM may move; None for a mesh.
+        margin: How far the COM may move; None for a mesh, and where it was not asked for.
         mesh: Raw counts and resolution of a mesh; None for a smooth body.
+        height_at: Gives the heights of the COM in mm, shape (n,), with each of the unit vectors (n, 3)
+            pointing down; None if the census was put together without a shape.
     """
 
     com_mm: Vector
@@ -195,6 +201,7 @@ class Census:
     convexity: Convexity | None = None
     margin: Margin | None = None
     mesh: MeshEvidence | None = None
+    height_at: Callable[[Array], Array] | None = field(default=None, repr=False, compare=False)
 
     def _count(self, kind: Kind) -> int:
         return sum(e.kind == kind for e in self.equilibria)
@@ -213,3 +220,17 @@ class Census:
     def saddles(self) -> int:
         """Number H of saddles."""
         return self._count("saddle")
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the height over all poses with the equilibria and their basins, in Mollweide's projection.
+
+        Args:
+            ax: Axes of that projection to draw on; new ones if not given.
+
+        Returns:
+            The axes.
+        """
+        from gomboc_cad.report.landscape import height_landscape
+        from gomboc_cad.report.landscape_figures import plot_landscape
+
+        return plot_landscape(height_landscape(self), ax)

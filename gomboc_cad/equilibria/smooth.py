@@ -12,6 +12,7 @@ from gomboc_cad.body.support import depth_mm, support_about
 from gomboc_cad.body.surface import Body
 from gomboc_cad.equilibria.convexity import as_point, require_strictly_convex
 from gomboc_cad.equilibria.critical import critical_directions
+from gomboc_cad.equilibria.heights import BodyHeights
 from gomboc_cad.equilibria.margin import com_margin
 from gomboc_cad.equilibria.records import Census, Equilibrium, Kind, Rest, as_vector
 from gomboc_cad.errors import CensusError, DegenerateEquilibriaError
@@ -23,7 +24,7 @@ _FAR = 1e3
 """No body reaches so far, in units of R₀."""
 
 
-def smooth_census(body: Body, com: Sequence[float] | Array | None = None) -> Census:
+def smooth_census(body: Body, com: Sequence[float] | Array | None = None, *, margins: bool = True) -> Census:
     """Count and describe every equilibrium of a strictly convex body on a flat table.
 
     The height of the COM over the table when direction u points down is the support function about
@@ -32,6 +33,7 @@ def smooth_census(body: Body, com: Sequence[float] | Array | None = None) -> Cen
     Args:
         body: The body.
         com: Centre of mass in mm, shape (3,); the homogeneous centroid if not given.
+        margins: Whether to search for the COM margins too, which takes most of the time.
 
     Raises:
         NotConvexError: If the body is not strictly convex; its rests are those of its hull.
@@ -57,7 +59,8 @@ def smooth_census(body: Body, com: Sequence[float] | Array | None = None) -> Cen
         reason=f"The smooth body has {stable} stable equilibri{'um' if stable == 1 else 'a'}.",
         mass_properties=mass,
         convexity=curvature,
-        margin=com_margin(body, center),
+        margin=com_margin(body, center) if margins else None,
+        height_at=BodyHeights(body, center),
     )
 
 

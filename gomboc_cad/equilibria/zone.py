@@ -14,7 +14,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from itertools import combinations
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -27,11 +28,14 @@ from gomboc_cad.body.surface import Body
 from gomboc_cad.equilibria.convexity import as_point
 from gomboc_cad.equilibria.free_ball import Walls, best_place, grown, room_mm
 from gomboc_cad.equilibria.margin import s_margin_mm
-from gomboc_cad.equilibria.octree import Octree, boundary
+from gomboc_cad.equilibria.octree import Octree, boundary, distinct
 from gomboc_cad.equilibria.records import Vector, as_vector
 from gomboc_cad.equilibria.smooth import find_equilibria
 from gomboc_cad.errors import CensusError
 from gomboc_cad.progress import Progress, silent
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 STAGES = 4
 """How many stages `loading_zone` reports."""
@@ -43,6 +47,7 @@ _NEAR = 0.02
 
 _GROWTH = 0.3
 _LARGEST_CELL = 0.06
+_FINENESS = (0.5, 2.0)
 _SAMPLES_PER_CELL = 3.0
 _CLEARANCE = 0.55
 """More than half a cell: no point of a tetrahedron is farther from all its corners."""
@@ -71,6 +76,7 @@ class LoadingZone:
         volume_mm3: Volume of the zone.
         vertices_mm: Corners of its boundary, shape (n, 3).
         faces: Triangles, counter-clockwise seen from outside the zone, shape (m, 3); closed.
+        fineness: How fine it is drawn, 1 being the default.
     """
 
     body: Body
@@ -83,10 +89,25 @@ class LoadingZone:
     volume_mm3: float
     vertices_mm: Array
     faces: IntArray
+    fineness: float = 1.0
 
     def resolution_mm(self, points_mm: Array) -> Array:
         """Size of the cells at points (n, 3): how true the drawn zone is; narrower passages count as shut."""
-        return _Grading(np.array(self.com_mm), self.s_margin_mm, self.body.radius_mm).cell_mm(points_mm)
+        grading = _Grading(np.array(self.com_mm), self.s_margin_mm, self.body.radius_mm, self.fineness)
+        return grading.cell_mm(points_mm)
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the section of the zone through the given COM and the nearest place with other rests.
+
+        Args:
+            ax: Axes to draw on; new ones if not given.
+
+        Returns:
+            The axes.
+        """
+        from gomboc_cad.report.zone_figures import plot_zone
+
+        return plot_zone(self, ax)
 
 
 class _Grading(NamedTuple):
@@ -95,13 +116,14 @@ class _Grading(NamedTuple):
     center_mm: Array
     s_margin_mm: float
     radius_mm: float
+    fineness: float
 
     def cell_mm(self, points_mm: Array) -> Array:
         """Largest cell allowed at points (n, 3) near a wall, shape (n,)."""
         distance = np.linalg.norm(points_mm - self.center_mm, axis=1)
         growth = np.maximum(1.0, distance / (_NEAR * self.radius_mm)) ** _GROWTH
         size = np.maximum(self.s_margin_mm / _CELLS_PER_MARGIN, growth * distance / _CELLS_PER_DISTANCE)
-        result: Array = np.minimum(size, _LARGEST_CELL * self.radius_mm)
+        result: Array = np.minimum(size, _LARGEST_CELL * self.radius_mm) / self.fineness
         return result
 
     def spacing_mm(self, points_mm: Array) -> Array:
@@ -118,7 +140,7 @@ class _Walls(Walls):
 
     def approached(self, points_mm: Array) -> Array:
         """Move points to the walls: onto the surface, and short of the sheet by a fraction of a cell."""
-        gap, nearest = self.tree.query(points_mm)
+        gap, nearest = self.tree.query(points_mm, workers=-1)
         foot = self.samples_mm[nearest]
         inset = np.minimum(1.0, _INSET * self.grading.cell_mm(points_mm) / gap)
         moved: Array = foot + inset[:, None] * (points_mm - foot)
@@ -128,24 +150,36 @@ class _Walls(Walls):
 
 
 def loading_zone(
-    body: Body, com: Sequence[float] | Array | None = None, *, progress: Progress = silent
+    body: Body,
+    com: Sequence[float] | Array | None = None,
+    *,
+    fineness: float = 1.0,
+    progress: Progress = silent,
 ) -> LoadingZone:
     """Find the zone around a COM in which the body keeps one stable rest, and the best places in it.
 
     Args:
         body: A strictly convex body.
         com: Centre of mass in mm, shape (3,); the homogeneous centroid if not given.
+        fineness: How many times as fine as usual the cells are, 0.5 to 2. At a half the zone has a quarter
+            of the triangles and takes a third of the time, but passages of twice the width count as shut,
+            so what lies beyond one may be missing, the best place too; margins stay exact.
         progress: Called with the name of each stage as it begins.
 
     Raises:
         NotConvexError: If the body is not strictly convex.
         DegenerateEquilibriaError: If the equilibria about the COM are not isolated.
-        CensusError: If the COM is not inside the body, has not one stable rest, or is so near to the
-            edge of its zone that the zone cannot be drawn.
+        CensusError: If the fineness is out of range, or the COM is not inside the body, has not one stable
+            rest, or is so near to the edge of its zone that the zone cannot be drawn.
     """
     center = np.array(mass_properties(body).com_mm) if com is None else as_point(com)
+    if not _FINENESS[0] <= fineness <= _FINENESS[1]:
+        low, high = _FINENESS
+        raise CensusError(
+            f"The fineness of a loading zone must be from {low:g} to {high:g}, not {fineness:g}."
+        )
     margin = _margin_in_zone(body, center)
-    grading = _Grading(center, margin, body.radius_mm)
+    grading = _Grading(center, margin, body.radius_mm, fineness)
 
     progress("sampling the focal surface")
     walls = _Walls(body, grading)
@@ -168,6 +202,7 @@ def loading_zone(
         volume_mm3=mesh_mass(vertices, faces).volume_mm3,
         vertices_mm=vertices,
         faces=faces,
+        fineness=fineness,
     )
 
 
@@ -259,37 +294,51 @@ class _Reached(NamedTuple):
 
 def _reached(cells: Octree, walls: _Walls) -> _Reached:
     """Follow the clear nodes from the COM."""
-    spokes, tetrahedra = [], []
-    for level, places in cells.leaves():
-        corners = cells.corner_nodes(level, places)
-        spokes.append(np.stack([np.repeat(cells.center_nodes(level, places), 8), corners.ravel()], axis=-1))
-        tetrahedra.append(cells.tetrahedra(level, _at_edge_of_clearance(cells, level, places, walls)))
-    keys = [np.concatenate(spokes), np.concatenate(tetrahedra)]
-    nodes, index = np.unique(np.concatenate([k.ravel() for k in keys]), return_inverse=True)
-    spoke, corners = (
-        part.reshape(k.shape) for part, k in zip(np.split(index, [keys[0].size]), keys, strict=True)
+    leaves = list(cells.leaves())
+    centers = [cells.center_nodes(level, places) for level, places in leaves]
+    corners = [cells.corner_nodes(level, places) for level, places in leaves]
+    lattice = distinct(np.concatenate([*centers, *(c.ravel() for c in corners)]))
+    at_lattice = walls.distance_mm(cells.node_positions_mm(lattice))
+
+    gaps_at_centers = (at_lattice[np.searchsorted(lattice, nodes)] for nodes in centers)
+    keys = np.concatenate(
+        [
+            cells.tetrahedra(level, _at_edge_of_clearance(cells, level, places, gaps, walls.grading))
+            for (level, places), gaps in zip(leaves, gaps_at_centers, strict=True)
+        ]
     )
+    beside = np.setdiff1d(distinct(keys.ravel()), lattice, assume_unique=True)
+    nodes = np.concatenate([lattice, beside])
+    order = nodes.argsort()
+    nodes, positions = nodes[order], cells.node_positions_mm(nodes[order])
+    gaps = np.concatenate([at_lattice, walls.distance_mm(cells.node_positions_mm(beside))])[order]
 
-    positions = cells.node_positions_mm(nodes)
-    gaps = walls.distance_mm(positions)
     clear = gaps > _clear_distance_mm(walls.grading, positions)
-    i, j = np.triu_indices(4, 1)
-    links = np.concatenate([spoke, np.stack([corners[:, i], corners[:, j]], axis=-1).reshape(-1, 2)])
-    links = links[clear[links].all(axis=1)]
-    graph = coo_array((np.ones(len(links), dtype=bool), (links[:, 0], links[:, 1])), shape=2 * (len(nodes),))
+    tetrahedra = np.searchsorted(nodes, keys)
+    spokes = np.searchsorted(nodes, np.concatenate(centers)), np.searchsorted(nodes, np.concatenate(corners))
+    links = [
+        _clear_links(clear, np.repeat(spokes[0], 8), spokes[1].ravel()),
+        *(_clear_links(clear, *tetrahedra[:, pair].T) for pair in combinations(range(4), 2)),
+    ]
+    start, end = np.concatenate(links, axis=1)
+    graph = coo_array((np.ones(len(start), dtype=bool), (start, end)), shape=2 * (len(nodes),))
     labels = connected_components(graph, directed=False)[1]
-    start = np.linalg.norm(positions - walls.grading.center_mm, axis=1).argmin()
-    inside = clear & (labels == labels[start])
-    return _Reached(positions, gaps, inside, corners)
+    home = np.linalg.norm(positions - walls.grading.center_mm, axis=1).argmin()
+    return _Reached(positions, gaps, clear & (labels == labels[home]), tetrahedra)
 
 
-def _at_edge_of_clearance(cells: Octree, level: int, places: IntArray, walls: _Walls) -> IntArray:
+def _clear_links(clear: BoolArray, start: IntArray, end: IntArray) -> IntArray:
+    """Those of the links between nodes whose ends are both clear, shape (2, m)."""
+    rows = clear[start] & clear[end]
+    return np.stack([start[rows], end[rows]])
+
+
+def _at_edge_of_clearance(
+    cells: Octree, level: int, places: IntArray, gaps_mm: Array, grading: _Grading
+) -> IntArray:
     """Cells with clear and other nodes: those that the level set of clearance may pass through."""
-    edge = cells.edge_mm(level)
-    centers = cells.centers_mm(level, places)
-    clear = _clear_distance_mm(walls.grading, centers)
-    gaps = walls.distance_mm(centers, float(clear.max(initial=0.0)) + edge)
-    return places[np.abs(gaps - clear) < _REACH * edge]
+    clear = _clear_distance_mm(grading, cells.centers_mm(level, places))
+    return places[np.abs(gaps_mm - clear) < _REACH * cells.edge_mm(level)]
 
 
 def _drawn_boundary(zone: _Reached, walls: _Walls) -> tuple[Array, IntArray]:
@@ -311,4 +360,6 @@ def _roomiest(zone: _Reached) -> list[Array]:
         place = zone.positions_mm[index]
         if all(np.linalg.norm(place - other) > 0.5 * zone.gaps_mm[index] for other in starts):
             starts.append(place)
-    return starts[:_STARTS]
+        if len(starts) == _STARTS:
+            break
+    return starts

@@ -2,6 +2,7 @@
 
 from gomboc_cad.hydrostatics.census import floating_census
 from gomboc_cad.hydrostatics.records import FloatingCensus, FloatingEvidence, FloatingPose, FloatingState
+from gomboc_cad.hydrostatics.righting import RightingCurve, righting_curve
 from gomboc_cad.hydrostatics.state import floating_state
 from gomboc_cad.hydrostatics.water import FRESH_WATER, SEA_WATER, Water
 
@@ -12,7 +13,9 @@ __all__ = [
     "FloatingEvidence",
     "FloatingPose",
     "FloatingState",
+    "RightingCurve",
     "Water",
     "floating_census",
     "floating_state",
+    "righting_curve",
 ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -51,7 +52,7 @@ def assert_every_critical_point_is_found(body: Body, com: Array, starts: int = 2
 def test_an_ellipsoid_rests_on_its_axes_with_the_stiffness_of_its_curvature() -> None:
     """Two rests, two saddles, two tops; heights are the semi-axes a, and ∇²h = (b²/a − a, c²/a − a)."""
     body, axes = ellipsoid((1.1, 1.0, 0.92), 18)
-    census = smooth_census(body)
+    census = smooth_census(body, margins=False)
     assert counts(census) == (2, 2, 2)
     for kind, axis in (("stable", 2), ("saddle", 1), ("unstable", 0)):
         poses = [e for e in census.equilibria if e.kind == kind]
@@ -95,6 +96,12 @@ def test_the_census_scales_with_the_body(primary: Body, primary_census: Census, 
     assert other.convexity.min_curvature_per_mm * scale == pytest.approx(
         primary_census.convexity.min_curvature_per_mm, abs=1e-6
     )
+
+
+def test_without_margins_the_census_is_the_same(primary: Body, primary_census: Census) -> None:
+    quick = smooth_census(primary, margins=False)
+    assert quick.margin is None
+    assert replace(quick, margin=primary_census.margin) == primary_census
 
 
 def test_the_census_turns_with_the_body() -> None:
@@ -249,7 +256,7 @@ def test_the_lowest_pose_is_the_rest_and_the_census_is_sorted(primary_census: Ce
 
 
 def test_sloan1_is_counted_though_its_curvature_jumps_at_the_poles() -> None:
-    assert counts(smooth_census(make_body("sloan1", 0.032, diameter_mm=2.0))) == (1, 0, 1)
+    assert counts(smooth_census(make_body("sloan1", 0.032, diameter_mm=2.0), margins=False)) == (1, 0, 1)
     body = make_body("sloan1", 0.02, diameter_mm=2.0)
     assert_every_critical_point_is_found(body, np.array([0.0, 0.01, 0.3]), 5000)
 

@@ -7,7 +7,8 @@ import pytest
 import trimesh
 
 from gomboc_cad.body import Body, Harmonic, depth_mm, make_body
-from gomboc_cad.equilibria import Census, com_margin, find_equilibria
+from gomboc_cad.equilibria import Census, find_equilibria
+from gomboc_cad.equilibria.margin import s_margin_mm
 from gomboc_cad.equilibria.zone import LoadingZone, loading_zone, margins_towards_rest
 from gomboc_cad.errors import CensusError, NotConvexError
 from tests.body.shapes import ellipsoid
@@ -86,7 +87,7 @@ def test_the_best_ball_touches_walls_and_cannot_be_bettered_nearby(ellipsoid_zon
     rng = np.random.default_rng(3)
     for step in rng.normal(size=(8, 3)):
         place = best + 0.02 * step / np.linalg.norm(step)
-        room = min(com_margin(body, place).s_margin_mm, depth_mm(body, place)[0])
+        room = min(s_margin_mm(body, place), depth_mm(body, place)[0])
         assert room <= ellipsoid_zone.best_s_margin_mm * (1.0 + 2e-3)
 
 
@@ -97,6 +98,18 @@ def test_the_zone_scales_with_the_body(sphere_zone: LoadingZone) -> None:
     # Rounding may pick another of two samples that are equally near.
     assert np.median(change) < 1e-9
     assert change.max() < 0.02
+
+
+def test_coarser_cells_make_the_same_zone_of_fewer_faces(sphere_zone: LoadingZone) -> None:
+    coarse = loading_zone(SPHERE, sphere_zone.com_mm, fineness=0.5)
+    assert len(coarse.faces) < 0.5 * len(sphere_zone.faces)
+    assert mesh_of(coarse).is_watertight
+    assert coarse.volume_mm3 == pytest.approx(sphere_zone.volume_mm3, rel=5e-3)
+    assert coarse.best_s_margin_mm == pytest.approx(sphere_zone.best_s_margin_mm, rel=1e-3)
+    place = np.array([[0.0, 0.0, 4.0]])
+    assert coarse.resolution_mm(place) == pytest.approx(2.0 * sphere_zone.resolution_mm(place))
+    with pytest.raises(CensusError, match=r"from 0\.5 to 2, not 0\.1"):
+        loading_zone(SPHERE, sphere_zone.com_mm, fineness=0.1)
 
 
 def test_a_com_without_exactly_one_rest_has_no_zone(primary: Body, primary_census: Census) -> None:

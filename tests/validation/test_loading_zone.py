@@ -26,7 +26,8 @@ def primary() -> Body:
 
 @pytest.fixture(scope="module")
 def zone(primary: Body) -> LoadingZone:
-    return loading_zone(primary)
+    """With cells of twice the usual size, by which the tests below measure; every passage is open still."""
+    return loading_zone(primary, fineness=0.5)
 
 
 def rests(body: Body, com: Array) -> int:

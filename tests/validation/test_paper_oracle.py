@@ -183,12 +183,15 @@ def test_the_text_of_the_paper_does_not_give_its_tables() -> None:
 def test_the_count_scatters_over_rotations_of_the_directions_and_the_census_does_not(
     make: Callable[[], TriangleMesh], stable: int, verdict: CensusVerdict
 ) -> None:
-    """Thirty random rotations: the count of the oracle is a property of its directions."""
+    """Thirty random rotations: the count of the oracle is a property of its directions.
+
+    The census, which is exact, is turned ten times; thirty times by the paper's table of rotations.
+    """
     mesh = make()
     counts = rotated_counts(*mesh, rotations=30, seed=0)
     assert counts.min() < counts.max()
     assert np.mean(counts == stable) < 0.5
-    for turn in random_rotations(30, 0):
+    for turn in random_rotations(10, 0):
         census = mesh_census(mesh.vertices @ turn, mesh.faces, probabilities=False)
         assert (census.stable, census.verdict) == (stable, verdict)
 
@@ -197,7 +200,7 @@ def test_sloans_body_reads_several_and_has_one(sloan_sweep: list[DrainageResult]
     """The paper's "parameterization gap" is its oracle's: retracted by its amendment, arXiv 2604.17120 v2."""
     for beta, result in zip(BETAS[1:4], sloan_sweep[1:4], strict=True):
         assert result.ecs > 1
-        census = smooth_census(make_body("sloan2", beta, diameter_mm=2.0))
+        census = smooth_census(make_body("sloan2", beta, diameter_mm=2.0), margins=False)
         assert (census.stable, census.saddles, census.unstable) == (1, 0, 1)
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 import gomboc_cad.body
@@ -16,10 +17,10 @@ from gomboc_cad.equilibria.certificate import certify, dumps
 SHIPPED = Path(gomboc_cad.body.__file__).parent / "certificates"
 
 
-def renew(folder: Path) -> None:
-    """Write a certificate for every body of the catalogue, and their index."""
+def renew(folder: Path, names: Sequence[str] = catalogue_names()) -> None:
+    """Write a certificate for every one of these bodies of the catalogue, and their index."""
     index = {}
-    for name in catalogue_names():
+    for name in names:
         parameters = exact_parameters(name)
         certificate = certify(parameters)
         text = dumps(certificate)

@@ -26,15 +26,18 @@ class Affine:
         psi: Ball of b, half the change across the cell in ψ.
     """
 
-    __slots__ = ("center", "psi", "theta")
+    __slots__ = ("_swing", "center", "psi", "theta")
 
     def __init__(self, center: arb, theta: arb, psi: arb) -> None:
         self.center, self.theta, self.psi = center, theta, psi
+        self._swing: arb | None = None
 
     @property
     def swing(self) -> arb:
-        """Ball of `a ε + b η` over the cell."""
-        return self.theta * UNIT + self.psi * UNIT
+        """Ball of `a ε + b η` over the cell; kept, since most numbers are factors more than once."""
+        if self._swing is None:
+            self._swing = self.theta * UNIT + self.psi * UNIT
+        return self._swing
 
     @property
     def range(self) -> arb:
