@@ -43,6 +43,9 @@ Changes = Annotated[
 ]
 Output = Annotated[Path, typer.Option("--output", "-o", help="Folder to write to.")]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite files of the same names.")]
+WithReport = Annotated[
+    bool, typer.Option("--report/--no-report", help="Write report.html and its figures too.")
+]
 Audit = Annotated[bool, typer.Option("--audit", help="Inspect the meshes with PyMeshLab too (extra: audit).")]
 AsJson = Annotated[bool, typer.Option("--json", help="One JSON object on stdout, nothing else there.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no tables.")]

@@ -29,6 +29,7 @@ from gomboc_cad.arguments import (
     Output,
     Quiet,
     Subject,
+    WithReport,
     chosen_body,
     chosen_body_and_com,
     decimals,
@@ -53,6 +54,7 @@ from gomboc_cad.console import (
 )
 from gomboc_cad.errors import GombocError, NotConvexError
 from gomboc_cad.long_commands import design, paper, tolerance
+from gomboc_cad.report_command import report
 
 app = typer.Typer(
     name="gomboc-cad",
@@ -99,14 +101,15 @@ def templates(
     quiet: Quiet = False,
 ) -> int:
     """List what a spec may name, or copy a template to edit it."""
-    from gomboc_cad.products.template_files import copy_template, template_names
+    from gomboc_cad.products.template_files import copy_template, template_names, template_values
 
     if (name is None) != (output is None):
         raise GombocError("Give the name of a template and -o FILE.toml to copy it, or neither to list all.")
     if name is not None and output is not None:
         require_new_toml(output, force)
         copy_template(name, output)
-    document = {**template_names(), "file": None if output is None else str(output)}
+    file = None if output is None else str(output)
+    document = {**template_names(), **template_values(), "file": file}
     Reporter(json, quiet).document(document, show_templates)
     return PASSED
 
@@ -285,6 +288,9 @@ def zone(
         Path | None,
         typer.Option("--output", "-o", metavar="FILE.stl", help="Write the zone, and a figure beside it."),
     ] = None,
+    fineness: Annotated[
+        float, typer.Option("--fineness", help="0.5 to 2; at 0.5 a quarter of the triangles, sooner.")
+    ] = 1.0,
     force: Force = False,
     json: AsJson = False,
     quiet: Quiet = False,
@@ -298,7 +304,7 @@ def zone(
     files = with_figure(output, ".stl", force)
     with reporter.stages(STAGES + design_stages(body)) as progress:
         chosen, com = chosen_body_and_com(body, family, beta, coef, diameter_mm, com_mm, changes, progress)
-        found = loading_zone(chosen, com, progress=progress)
+        found = loading_zone(chosen, com, fineness=fineness, progress=progress)
     if files:
         write_zone(found, *files)
     reporter.document(zone_document(found, files), show_zone)
@@ -352,6 +358,7 @@ def build(
         bool, typer.Option("--allow-unverified", help="Build of a refuted or non-convex body too.")
     ] = False,
     audit: Audit = False,
+    with_report: WithReport = True,
     json: AsJson = False,
     quiet: Quiet = False,
 ) -> int:
@@ -367,13 +374,14 @@ def build(
             force=force,
             allow_unverified=allow_unverified,
             audit=audit,
+            report=with_report,
             progress=progress,
         )
     reporter.document(document, show_build)
     return PASSED if document["verdict"] == "PASS" else FAILED
 
 
-for _command in (design, tolerance, paper):
+for _command in (design, tolerance, report, paper):
     app.command()(_command)
 
 

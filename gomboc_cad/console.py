@@ -123,6 +123,12 @@ def show_catalog(document: dict[str, Any]) -> None:
     _print(table)
 
 
+def show_report(document: dict[str, Any]) -> None:
+    """Where the report is."""
+    count = len(document["files"])
+    _print(f"{document['folder']}/report.html is written, with {count - 1} other files.")
+
+
 def show_templates(document: dict[str, Any]) -> None:
     """What a spec may name, or the file that was written."""
     if document["file"] is not None:
@@ -130,7 +136,7 @@ def show_templates(document: dict[str, Any]) -> None:
         return
     table = _table("What a spec may name", "kind", "names")
     for kind, names in document.items():
-        if names is not None:
+        if isinstance(names, tuple):
             table.add_row(kind, ", ".join(names))
     _print(table)
 

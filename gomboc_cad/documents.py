@@ -274,6 +274,7 @@ def drill_document(drilling: DrillMap, files: tuple[Path, ...]) -> dict[str, Any
         "max_direction": list(drilling.max_direction),
         "best": _drill_sites(drilling.best),
         "sites": _drill_sites(drilling.sites),
+        "facets": _facets(drilling.sites),
         "files": [str(file) for file in files],
     }
 
@@ -296,6 +297,17 @@ def _drill_sites(limits: DrillLimits) -> list[dict[str, Any]]:
             strict=True,
         )
     ]
+
+
+def _facets(limits: DrillLimits) -> list[list[int]]:
+    """Triangles between the sites, as indices into them; they lie on a convex surface."""
+    from scipy.spatial import ConvexHull
+
+    corners_of_a_solid = 4
+    if len(limits.positions_mm) < corners_of_a_solid:
+        return []
+    facets: list[list[int]] = ConvexHull(limits.positions_mm).simplices.tolist()
+    return facets
 
 
 def _um(length_mm: float | None) -> float | None:

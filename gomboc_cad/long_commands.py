@@ -16,6 +16,7 @@ from gomboc_cad.arguments import (
     Force,
     Output,
     Quiet,
+    WithReport,
     require_new_toml,
 )
 from gomboc_cad.console import Reporter, show_design, show_paper, show_tolerance
@@ -52,6 +53,7 @@ def tolerance(
         str, typer.Option("--executor", metavar="WHERE", help="local, local:4 or dask://HOST:PORT.")
     ] = "local",
     force: Force = False,
+    with_report: WithReport = True,
     json: AsJson = False,
     quiet: Quiet = False,
 ) -> int:
@@ -82,6 +84,7 @@ def tolerance(
             changes=changes or (),
             executor=executor,
             force=force,
+            report=with_report,
             progress=progress,
         )
     reporter.document(document, show_tolerance)

@@ -22,8 +22,9 @@ import pytest
 
 
 def digests(folder: Path) -> dict[str, str]:
-    """Digest of each file of a folder: two folders compare without a listing of megabytes that differ."""
-    return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in folder.iterdir()}
+    """Digest of each file below a folder: two folders compare without a listing of megabytes that differ."""
+    files = (path for path in folder.rglob("*") if path.is_file())
+    return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
 
 
 def missing(name: str, remedy: str) -> NoReturn:

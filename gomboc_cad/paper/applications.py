@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from gomboc_cad.equilibria import Census
+from gomboc_cad.equilibria.margin import s_margin_mm
 from gomboc_cad.equilibria.records import Rest
 from gomboc_cad.paper.bodies import exact_census, reading, unit_body
 from gomboc_cad.paper.published import published
@@ -98,7 +98,7 @@ def seed_pod(progress: Progress) -> Table:
     progress("seed-pod")
     figures = published()["seed_pod"]
     side = solid("cylinder").boa
-    census = exact_census(unit_body("primary").with_diameter(figures["size_mm"]))
+    body = unit_body("primary").with_diameter(figures["size_mm"])
     gomboc = true_rests("gomboc", 1)
     return Table(
         "seed-pod",
@@ -127,7 +127,7 @@ def seed_pod(progress: Progress) -> Table:
                 "body stops is a matter of rolling resistance.",
             ),
             _germination(figures["germination_loss_range"], figures["cylinder_correct"], side),
-            *_shape_tolerances(figures, census),
+            *_shape_tolerances(figures, s_margin_mm(body, exact_census(body).com_mm)),
         ),
     )
 
@@ -150,11 +150,9 @@ def _germination(losses: list[float], claimed: float, side: float) -> Row:
     )
 
 
-def _shape_tolerances(figures: dict[str, Any], census: Census) -> list[Row]:
+def _shape_tolerances(figures: dict[str, Any], s_margin: float) -> list[Row]:
     """A form error with n undulations around the body changes `∇²h` by up to n² times its amplitude."""
-    if census.margin is None:
-        raise TypeError("The primary is strictly convex, so its census has a margin.")
-    margin = census.margin.s_margin_mm / figures["size_mm"]
+    margin = s_margin / figures["size_mm"]
     shape, (finest, _) = figures["shape_tolerance"], figures["moulding_tolerance"]
     longest, shortest = (f"{100.0 * margin / n**2:.2g} %" for n in (2, 10))
     return [

@@ -13,7 +13,7 @@ from gomboc_cad.body.catalogue import catalogue_entries, named_body
 from gomboc_cad.body.mass import mesh_mass
 from gomboc_cad.equilibria import mesh_census
 from gomboc_cad.equilibria.ballast import BallastShape, ballast_subject, rest_changes
-from gomboc_cad.equilibria.drainage import DrainageResult, drainage_count
+from gomboc_cad.equilibria.drainage import drainage_count
 from gomboc_cad.paper.bodies import spoken
 from gomboc_cad.paper.published import published
 from gomboc_cad.paper.records import Row, Table, judged
@@ -55,7 +55,9 @@ class BallastSeries:
 def ballast_series(name: BallastShape) -> BallastSeries:
     """Count a body at every fraction, by the oracle and truly."""
     subject = ballast_subject(name)
-    found = [_reading(name, w) for w in FRACTIONS]
+    # The paper starts from the centroid of the mesh.
+    centroid, lowest = np.array(mesh_mass(*subject.mesh).com_mm), np.array(subject.lowest_mm)
+    found = [drainage_count(*subject.mesh, (1.0 - w) * centroid + w * lowest) for w in FRACTIONS]
     return BallastSeries(
         name,
         FRACTIONS,
@@ -63,13 +65,6 @@ def ballast_series(name: BallastShape) -> BallastSeries:
         tuple(result.boa for result in found),
         tuple(len(subject.rests(subject.com_mm(w))) for w in FRACTIONS),
     )
-
-
-def _reading(name: BallastShape, w: float) -> DrainageResult:
-    """What the oracle reads; it starts from the centroid of the mesh, as the paper does."""
-    subject = ballast_subject(name)
-    com = (1.0 - w) * np.array(mesh_mass(*subject.mesh).com_mm) + w * np.array(subject.lowest_mm)
-    return drainage_count(*subject.mesh, com)
 
 
 def ballast(progress: Progress) -> Table:

@@ -53,8 +53,8 @@ def reading(name: str) -> DrainageResult:
 
 @lru_cache(maxsize=32)
 def exact_census(body: Body) -> Census:
-    """The smooth census of a strictly convex body, the census of its hull otherwise."""
-    return smooth_census(body) if convexity(body).strictly_convex else hull_census(body)
+    """The smooth census of a strictly convex body, without margins; the census of its hull otherwise."""
+    return smooth_census(body, margins=False) if convexity(body).strictly_convex else hull_census(body)
 
 
 def census_evidence(census: Census) -> Evidence:

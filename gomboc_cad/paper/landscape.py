@@ -6,12 +6,12 @@ from functools import lru_cache
 
 import numpy as np
 
-from gomboc_cad.body import mass_properties, support_jet
+from gomboc_cad.body import SupportJet, mass_properties, support_jet
 from gomboc_cad.body.mass import mesh_mass
 from gomboc_cad.body.sphere import Array, fibonacci_directions, lengths
 from gomboc_cad.paper.bodies import named_mesh, unit_body
 
-_BLOCK = 1 << 22
+_BLOCK = 1 << 17
 _DIRECTIONS = 20_000
 
 
@@ -38,18 +38,20 @@ def heights_and_slopes(vertices: Array, com: Array, directions: Array) -> tuple[
 @lru_cache(maxsize=8)
 def mean_slope(name: str) -> float:
     """Mean of `|∇h|` over all orientations of a body of the paper's tables, about its centroid."""
-    directions = fibonacci_directions(_DIRECTIONS)
     if name == "gomboc":
-        body = unit_body("primary")
-        jet = support_jet(body, directions, np.array(mass_properties(body).com_mm))
-        return float(lengths(jet.gradient_mm).mean())
+        return float(lengths(_supports("primary").gradient_mm).mean())
     mesh = named_mesh(name)
     com = np.array(mesh_mass(*mesh).com_mm)
-    return float(heights_and_slopes(mesh.vertices, com, directions)[1].mean())
+    return float(heights_and_slopes(mesh.vertices, com, fibonacci_directions(_DIRECTIONS))[1].mean())
 
 
 def mean_height(name: str) -> float:
     """Mean of the height over all orientations of the primary: half its mean width."""
+    return float(_supports(name).height_mm.mean())
+
+
+@lru_cache(maxsize=2)
+def _supports(name: str) -> SupportJet:
+    """Support function of a body of the catalogue about its centroid in all orientations."""
     body = unit_body(name)
-    jet = support_jet(body, fibonacci_directions(_DIRECTIONS), np.array(mass_properties(body).com_mm))
-    return float(jet.height_mm.mean())
+    return support_jet(body, fibonacci_directions(_DIRECTIONS), np.array(mass_properties(body).com_mm))

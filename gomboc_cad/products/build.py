@@ -27,6 +27,7 @@ from gomboc_cad.products.spec import load_spec, spec_path
 from gomboc_cad.products.subject import DESIGN_STAGES
 from gomboc_cad.products.verdict import Verdict, judge
 from gomboc_cad.progress import Progress, silent
+from gomboc_cad.report.product_report import write_product_report
 from gomboc_cad.reproducible import one_blas_thread
 from gomboc_cad.solid.audit import require_pymeshlab
 from gomboc_cad.solid.export import NamedMesh, write_3mf, write_plate, write_step, write_stl
@@ -38,7 +39,7 @@ from gomboc_cad.solid.plate_inspection import inspect_plate
 from gomboc_cad.solid.step import NamedSolid, read_step
 from gomboc_cad.solid.transfer import Transfer
 
-STAGES = DESIGN_STAGES + 5
+STAGES = DESIGN_STAGES + 6
 VERDICT_FILE = "verdict.json"
 
 _BOUGHT_PART_DEVIATION_UM = 0.1
@@ -54,6 +55,7 @@ def build_product(
     force: bool = False,
     allow_unverified: bool = False,
     audit: bool = False,
+    report: bool = True,
     progress: Progress = silent,
 ) -> dict[str, Any]:
     """Build a product, write its files, read them back, and judge it.
@@ -65,6 +67,7 @@ def build_product(
         force: Allow a folder that holds something, and replace files of the same names.
         allow_unverified: Build of a body that is refuted or not convex too.
         audit: Have the meshes checked by PyMeshLab too.
+        report: Write the report too.
         progress: Called with the name of each stage as it begins.
 
     Returns:
@@ -90,13 +93,17 @@ def build_product(
         progress("writing the files")
         expected = _write(design, staging)
         progress("reading the files back")
-        found = [inspect_file(staging / name, parts, audit) for name, parts in expected.items()]
+        solids = read_step(staging / _assembly_file(assembly))
+        found = [
+            inspect_file(staging / name, parts, audit, solids if name == _assembly_file(assembly) else None)
+            for name, parts in expected.items()
+        ]
         found.append(_write_plate(design, staging))
         found.append(_write_text(staging / BILL_FILE, bill_csv(bill_of_materials(assembly.parts))))
         progress("measuring walls and undercuts")
         made = manufacture(assembly, process, design.parting_direction)
         progress("rechecking the hull of the exported parts")
-        exported = _exported(staging, assembly)
+        exported = {part.name: part.solid for part in solids}
         again = recheck(exported, assembly.com_mm, design.openings, design.body, design.parting)
         progress("judging")
         problems = (*design.problems, *problems_of(found), *_com_problems(design), *made.problems)
@@ -105,8 +112,16 @@ def build_product(
         transferred = _transfer(design, verdict.census, exported)
         document = build_document(BuildRecord(design, verdict, found, made, again, transferred))
         write_bytes(staging / VERDICT_FILE, _json_bytes(document))
+        if report:
+            progress("writing the report")
+            write_product_report(design, verdict, staging, folder)
     # Not in the file, which is to be the same wherever it is written.
     return {"folder": str(folder), **document}
+
+
+def _assembly_file(assembly: Assembly) -> str:
+    """Name of the STEP file with all parts."""
+    return f"{assembly.name}.step"
 
 
 def _write(design: ProductDesign, staging: Path) -> dict[str, list[Expected]]:
@@ -120,8 +135,8 @@ def _write(design: ProductDesign, staging: Path) -> dict[str, list[Expected]]:
 
     expected: dict[str, list[Expected]] = {}
     solids = {part.name: NamedSolid(part.name, part.solid, part.color) for part in assembly.parts}
-    write_step(staging / f"{assembly.name}.step", list(solids.values()), assembly.name)
-    expected[f"{assembly.name}.step"] = list(as_solids.values())
+    write_step(staging / _assembly_file(assembly), list(solids.values()), assembly.name)
+    expected[_assembly_file(assembly)] = list(as_solids.values())
     for name, mesh in meshes.items():
         write_step(staging / f"{name}.step", [solids[name]], name)
         expected[f"{name}.step"] = [as_solids[name]]
@@ -152,11 +167,6 @@ def _as_solid(part: Part, deviation_um: float) -> Expected:
 
 def _expected(part: Part, distance_um: float) -> Expected:
     return Expected(part.name, part.volume_mm3, part.measured.com_mm, distance_um, part.boundary)
-
-
-def _exported(staging: Path, assembly: Assembly) -> dict[str, Solid]:
-    """The parts of the assembly as read back, by name."""
-    return {part.name: part.solid for part in read_step(staging / f"{assembly.name}.step")}
 
 
 def _write_documents(design: ProductDesign, verdict: Verdict, staging: Path) -> list[FileInspection]:

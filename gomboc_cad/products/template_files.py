@@ -5,11 +5,13 @@ from __future__ import annotations
 import difflib
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any, get_args
 
 from gomboc_cad.errors import SpecError
+from gomboc_cad.products.common_spec import TrimSpec
 from gomboc_cad.products.data_files import data_names
-from gomboc_cad.products.materials import material_names
-from gomboc_cad.products.spec import PRODUCTS
+from gomboc_cad.products.materials import load_material, material_names
+from gomboc_cad.products.spec import PRODUCTS, load_spec
 from gomboc_cad.resources import template_folder
 from gomboc_cad.solid.output import write_bytes
 
@@ -20,6 +22,15 @@ def template_names() -> Mapping[str, tuple[str, ...]]:
     """What a spec may name: products, boards, batteries, seeds, processes, materials."""
     folders = {folder: data_names(folder) for folder in _FOLDERS}
     return {"products": tuple(PRODUCTS), **folders, "materials": material_names()}
+
+
+def template_values() -> Mapping[str, Any]:
+    """What a program that offers choices needs beside the names: specs, densities, kinds of trim."""
+    return {
+        "specs": {name: load_spec(name).model_dump(mode="json", exclude_none=True) for name in PRODUCTS},
+        "density_g_cm3": {name: load_material(name).density_g_cm3 for name in material_names()},
+        "trims": get_args(TrimSpec.model_fields["kind"].annotation),
+    }
 
 
 def copy_template(name: str, path: Path) -> None:

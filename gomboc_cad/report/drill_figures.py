@@ -5,13 +5,27 @@ from __future__ import annotations
 import csv
 import io
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gomboc_cad.body.sphere import Array
-from gomboc_cad.equilibria.drill_map import DrillLimits, DrillMap, drill_limits
-from gomboc_cad.report.canvas import figure_format, new_figure, write_figure
+from gomboc_cad.body.support import touching_directions
+from gomboc_cad.equilibria.drill_map import DrillLimits, DrillMap, safe_radius_mm
+from gomboc_cad.report.style import (
+    BELOW,
+    HEIGHTS,
+    MARK,
+    figure_format,
+    figure_of,
+    new_axes,
+    styled,
+    write_figure,
+)
 from gomboc_cad.solid.output import write_bytes
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _LATITUDES, _LONGITUDES = 36, 72
 
@@ -51,28 +65,41 @@ def draw_drill_map(drilling: DrillMap, path: Path) -> None:
         OutputError: If the suffix is neither, or the file cannot be written.
     """
     figure_format(path)
+    write_figure(figure_of(plot_drill_map(drilling)), path)
+
+
+@styled
+def plot_drill_map(drilling: DrillMap, ax: Axes | None = None) -> Axes:
+    """Draw the allowed radius over all outward directions, by longitude from x to y and latitude towards z.
+
+    Args:
+        drilling: What is drawn.
+        ax: Axes of Mollweide's projection to draw on; new ones if not given.
+
+    Returns:
+        The axes.
+    """
+    ax = new_axes(ax, (9.0, 5.2), "mollweide")
     longitude = np.linspace(-np.pi, np.pi, _LONGITUDES + 1)
     latitude = np.linspace(-0.5 * np.pi, 0.5 * np.pi, _LATITUDES + 1)
     middle_of = [0.5 * (edges[1:] + edges[:-1]) for edges in (longitude, latitude)]
     turn, rise = (part.ravel() for part in np.meshgrid(*middle_of))
     level = np.cos(rise)
     normals = np.stack([level * np.cos(turn), level * np.sin(turn), np.sin(rise)], axis=-1)
-    radius = drill_limits(drilling.body, normals, drilling.com_mm).radius_mm
-
-    figure = new_figure(10.0, 5.6)
-    axes = figure.add_subplot(projection="mollweide")
-    colors = axes.pcolormesh(longitude, latitude, radius.reshape(_LATITUDES, _LONGITUDES), cmap="viridis")
-    figure.colorbar(colors, ax=axes, label="allowed radius / mm", shrink=0.8)
+    touching = touching_directions(drilling.body, normals)
+    radius = safe_radius_mm(drilling.body, touching, drilling.com_mm)
+    cells = radius.reshape(_LATITUDES, _LONGITUDES)
+    colors = ax.pcolormesh(longitude, latitude, cells, cmap=HEIGHTS, rasterized=True)
+    bar = figure_of(ax).colorbar(colors, ax=ax, shrink=0.8)
+    bar.set_label("radius of the largest hole or flat / mm")
     for places, marker, name in (
         (drilling.best.directions, "o", "best places"),
         (np.array([drilling.rest.direction]), "v", "rest"),
     ):
         x, y, z = places.T
-        axes.plot(np.arctan2(y, x), np.arcsin(z), marker, color="white", markeredgecolor="black", label=name)
-    axes.grid(True, alpha=0.3)
-    axes.legend(loc="lower left", fontsize="small")
-    axes.set_title(
-        f"{drilling.body.name}: largest hole or flat by the direction of its outward normal\n"
-        "(longitude from x to y, latitude towards z)"
-    )
-    write_figure(figure, path)
+        ax.plot(np.arctan2(y, x), np.arcsin(z), marker, label=name, **MARK)
+    ax.grid(True)
+    ax.tick_params(labelsize="small")
+    ax.legend(**BELOW | {"borderaxespad": 1.0})
+    ax.set_title(f"{drilling.body.name}: largest hole or flat by the direction of its outward normal")
+    return ax

@@ -1,15 +1,31 @@
-"""The loading zone in sections through the centre of mass, and the margin along the way to the rest."""
+"""The loading zone: the section that decides, and three sections of the whole zone with its margin."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gomboc_cad.body.sphere import Array, IntArray, fibonacci_directions
+from gomboc_cad.body.sphere import Array, fibonacci_directions
+from gomboc_cad.equilibria.smooth import smooth_census
 from gomboc_cad.equilibria.zone import LoadingZone, margins_towards_rest
-from gomboc_cad.report.canvas import figure_format, new_figure, write_figure
+from gomboc_cad.report.sections import section_loops
+from gomboc_cad.report.style import (
+    BELOW,
+    BLUE,
+    GREEN,
+    INK,
+    PLAIN,
+    PURPLE,
+    VERMILION,
+    figure_format,
+    new_axes,
+    new_figure,
+    styled,
+    write_figure,
+)
+from gomboc_cad.report.zone_section import Fields, ZoneSection, zone_section
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,7 +35,86 @@ _PLANES = ((0, 1), (0, 2), (1, 2))
 _CLOSE_UP = 8.0
 """Half the width of the close-ups, in S-margins of the given COM or of the nearest best one."""
 
-_ZONE, _FORBIDDEN, _GIVEN, _BEST = "#cfe3f4", "#b3432f", "#1a1a1a", "#1b7a3d"
+_FILL = 0.35
+_CHI_95 = float(np.sqrt(-2.0 * np.log(0.05)))
+"""Radius, in standard deviations, of the ellipse that holds 95 % of a normal distribution in a plane."""
+
+
+@styled
+def plot_zone_section(section: ZoneSection, ax: Axes | None = None, *, whole: bool = False) -> Axes:
+    """Draw how many rests the body has with the COM elsewhere in a plane, and what is known of the COM.
+
+    Args:
+        section: What is drawn.
+        ax: Axes to draw on; new ones if not given.
+        whole: Whether to show the whole body instead of the surroundings of the COM.
+
+    Returns:
+        The axes; lengths on them are in mm from the COM.
+    """
+    from matplotlib.patches import Patch
+
+    ax = new_axes(ax, (5.4, 5.6))
+    fields = section.whole if whole else section.close_up
+    _paint(ax, fields)
+    for curve in section.curves_mm:
+        ax.plot(*np.append(curve, curve[:1], axis=0).T, color=VERMILION, linewidth=0.9)
+    ax.plot(*np.append(section.outline_mm, section.outline_mm[:1], axis=0).T, color=INK, linewidth=1.0)
+    ax.plot(0.0, 0.0, "+", color=INK, markersize=9, markeredgewidth=1.6, label="centre of mass")
+    margin = section.s_margin_mm
+    _draw_ring(ax, (0.0, 0.0), margin * np.eye(2), INK, linewidth=1.2, label=f"S-margin, {margin:.3g} mm")
+    if not whole:
+        nearest = "nearest place with other rests"
+        ax.plot(*section.witness_mm, "o", color=VERMILION, markersize=5, label=nearest)
+        if section.com_covariance_mm2 is not None:
+            ellipse = _CHI_95 * _deviations(section.com_covariance_mm2)
+            style = {"linewidth": 1.8, "linestyle": (0, (4, 2)), "label": "95 % of the COM errors"}
+            _draw_ring(ax, (0.0, 0.0), ellipse, PURPLE, **style)
+    places = [Patch(facecolor=BLUE, alpha=_FILL, label="one stable rest")]
+    places.append(Patch(facecolor=VERMILION, alpha=_FILL, label="more than one"))
+    handles = ax.get_legend_handles_labels()[0]
+    ax.legend(handles=places + handles, **BELOW)
+    reach = fields.reach_mm
+    ax.set(aspect="equal", xlim=(-reach, reach), ylim=(-reach, reach))
+    ax.set(xlabel="towards the nearest other rest, level / mm", ylabel="up at rest / mm")
+    return ax
+
+
+@styled
+def plot_zone(zone: LoadingZone, ax: Axes | None = None) -> Axes:
+    """Draw the section of a zone through its COM and the nearest place with other rests.
+
+    Args:
+        zone: The zone.
+        ax: Axes to draw on; new ones if not given.
+
+    Returns:
+        The axes.
+    """
+    return plot_zone_section(zone_section(zone.body, smooth_census(zone.body, zone.com_mm)), ax)
+
+
+def _paint(ax: Axes, fields: Fields) -> None:
+    from matplotlib.colors import to_rgba
+
+    colors = np.array([(0.0, 0.0, 0.0, 0.0), to_rgba(BLUE, _FILL), to_rgba(VERMILION, _FILL)])
+    reach = fields.reach_mm
+    image = colors[np.minimum(fields.rests, 2)]
+    ax.imshow(image, origin="lower", extent=(-reach, reach, -reach, reach), interpolation="nearest")
+
+
+def _draw_ring(ax: Axes, center: tuple[float, float], reach_mm: Array, color: str, **style: Any) -> None:
+    """Draw the image of the unit circle under a matrix (2, 2) about a centre."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 181)
+    ring = np.stack([np.cos(turn), np.sin(turn)], axis=-1) @ reach_mm.T + center
+    ax.plot(*ring.T, color=color, **style)
+
+
+def _deviations(covariance: Array) -> Array:
+    """A square root of a covariance (2, 2)."""
+    values, vectors = np.linalg.eigh(covariance)
+    result: Array = vectors * np.sqrt(np.maximum(values, 0.0))
+    return result
 
 
 def write_zone(zone: LoadingZone, mesh_path: Path, figure_path: Path) -> None:
@@ -36,6 +131,7 @@ def write_zone(zone: LoadingZone, mesh_path: Path, figure_path: Path) -> None:
     draw_zone(zone, figure_path)
 
 
+@styled
 def draw_zone(zone: LoadingZone, path: Path) -> None:
     """Draw three sections, whole and in close-up, and the margin towards the rest, as PNG or SVG.
 
@@ -57,7 +153,7 @@ def draw_zone(zone: LoadingZone, path: Path) -> None:
         detail.set(xlim=(center[0] - close, center[0] + close), ylim=(center[1] - close, center[1] + close))
         whole.set_title(f"section {_AXES[plane[0]]}{_AXES[plane[1]]} through the given COM")
         detail.set_title("close-up")
-    figure.axes[0].legend(loc="lower left", fontsize="small")
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     _draw_margins(figure.add_subplot(grid[2, :]), zone)
     figure.suptitle(
         f"{zone.body.name}: COM positions with one stable rest (blue); margin {zone.s_margin_mm:.3g} mm at "
@@ -66,53 +162,8 @@ def draw_zone(zone: LoadingZone, path: Path) -> None:
     write_figure(figure, path)
 
 
-def section_loops(
-    vertices_mm: Array, faces: IntArray, point_mm: Array, plane: tuple[int, int]
-) -> list[Array]:
-    """Cut a closed mesh by a coordinate plane through a point.
-
-    Args:
-        vertices_mm: Shape (n, 3).
-        faces: Outward oriented triangles, shape (m, 3).
-        point_mm: A point of the plane, shape (3,).
-        plane: The two axes that span it.
-
-    Returns:
-        Closed loops in those axes, shape (k, 2) each; outer ones turn against holes.
-    """
-    normal = 3 - sum(plane)
-    height = vertices_mm[:, normal] - point_mm[normal]
-    above = height >= 0.0
-    start, end = faces, np.roll(faces, -1, axis=1)
-    rising, falling = ~above[start] & above[end], above[start] & ~above[end]
-    # A face that is cut has one rising and one falling edge, which are falling and rising in its neighbours.
-    cut = rising.any(axis=1)
-    entry, leave = (_edge_keys(start, end, kind, cut, len(vertices_mm)) for kind in (rising, falling))
-    following = dict(zip(entry.tolist(), leave.tolist(), strict=True))
-    loops = []
-    while following:
-        first, key = following.popitem()
-        keys = [first, key]
-        while key != first:
-            key = following.pop(key)
-            keys.append(key)
-        low, high = np.divmod(np.array(keys), len(vertices_mm))
-        share = height[low] / (height[low] - height[high])
-        points = vertices_mm[low] + share[:, None] * (vertices_mm[high] - vertices_mm[low])
-        loops.append(points[:, list(plane)])
-    return loops
-
-
-def _edge_keys(start: IntArray, end: IntArray, kind: Array, cut: Array, count: int) -> IntArray:
-    """Key of the edge of one kind in each face that is cut, the same seen from both its faces."""
-    place = kind[cut].argmax(axis=1)[:, None]
-    ends = (np.take_along_axis(part[cut], place, axis=1)[:, 0] for part in (start, end))
-    a, b = ends
-    result: IntArray = np.minimum(a, b) * count + np.maximum(a, b)
-    return result
-
-
 def _draw_section(axes: Axes, zone: LoadingZone, plane: tuple[int, int], loops: list[Array]) -> None:
+    from matplotlib.colors import to_rgba
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path as Outline
 
@@ -121,26 +172,23 @@ def _draw_section(axes: Axes, zone: LoadingZone, plane: tuple[int, int], loops: 
             np.r_[Outline.MOVETO, np.full(len(loop) - 2, Outline.LINETO), Outline.CLOSEPOLY] for loop in loops
         ]
         outline = Outline(np.concatenate(loops), np.concatenate(codes))
-        axes.add_patch(PathPatch(outline, facecolor=_ZONE, edgecolor=_FORBIDDEN, linewidth=0.6))
+        fill = to_rgba(BLUE, _FILL)
+        axes.add_patch(PathPatch(outline, facecolor=fill, edgecolor=VERMILION, linewidth=0.6))
     for place, margin, color, name in (
-        (zone.com_mm, zone.s_margin_mm, _GIVEN, "given COM"),
-        (zone.nearest_best_com_mm, zone.nearest_best_s_margin_mm, _BEST, "nearest best COM (projected)"),
+        (zone.com_mm, zone.s_margin_mm, INK, "given COM"),
+        (zone.nearest_best_com_mm, zone.nearest_best_s_margin_mm, GREEN, "nearest best COM (projected)"),
     ):
-        _draw_ball(axes, [place[axis] for axis in plane], margin, color, name)
+        center = place[plane[0]], place[plane[1]]
+        axes.plot(*center, marker="+", color=color, linestyle="none", label=name)
+        _draw_ring(axes, center, margin * np.eye(2), color, linewidth=0.8)
     axes.set(aspect="equal", xlabel=f"{_AXES[plane[0]]} / mm", ylabel=f"{_AXES[plane[1]]} / mm")
-
-
-def _draw_ball(axes: Axes, center: list[float], radius: float, color: str, name: str) -> None:
-    from matplotlib.patches import Circle
-
-    axes.plot(*center, marker="+", color=color, linestyle="none", label=name)
-    axes.add_patch(Circle((center[0], center[1]), radius, fill=False, color=color, linewidth=0.8))
 
 
 def _draw_margins(axes: Axes, zone: LoadingZone) -> None:
     """The S-margin with the COM lowered towards the rest."""
     reach = 0.1 * zone.body.radius_mm
     lowered = np.concatenate([[0.0], np.geomspace(0.02 * reach, reach, 31)])
-    axes.plot(lowered, margins_towards_rest(zone, lowered), color=_GIVEN, marker=".", markersize=3)
+    axes.plot(lowered, margins_towards_rest(zone, lowered), color=BLUE, marker=".", markersize=3)
     axes.set(xlabel="COM lowered towards the rest / mm", ylabel="S-margin / mm", yscale="log")
-    axes.grid(True, alpha=0.3)
+    axes.yaxis.set_major_formatter(PLAIN)
+    axes.grid(True)

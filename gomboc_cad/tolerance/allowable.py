@@ -29,7 +29,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from scipy.special import ndtri
@@ -54,6 +54,9 @@ from gomboc_cad.tolerance.harmonics import LOWEST_DEGREE, coefficient_count
 from gomboc_cad.tolerance.model import Source, StudyModel
 from gomboc_cad.tolerance.sampling import BATCH_ROWS
 from gomboc_cad.tolerance.variants import Nominal, Outcomes, Variants
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _EFFORT = Effort(BATCH_ROWS, 4 * BATCH_ROWS)
 _FORM = "form_error"
@@ -123,6 +126,20 @@ class FormErrorCurve:
     def process_use(self) -> Array | None:
         """What the process makes over what is allowed at the target, shape (n,)."""
         return None if self.process_mm is None else self.process_mm / self.probable_mm
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the allowed amplitudes against the undulations.
+
+        Args:
+            ax: Axes to draw on; new ones if not given.
+
+        Returns:
+            The axes.
+        """
+        from gomboc_cad.report.study_figures import plot_form_error
+        from gomboc_cad.report.study_records import FormErrorLimits
+
+        return plot_form_error(FormErrorLimits.of_curve(self), ax)
 
     def document(self) -> dict[str, Any]:
         """The curve as the study gives it."""

@@ -11,6 +11,7 @@ from gomboc_cad.progress import Progress, silent
 from gomboc_cad.tolerance.acceptance import Effort, Target, design_outcome
 from gomboc_cad.tolerance.budget import lone_factors
 from gomboc_cad.tolerance.model import StudyModel
+from gomboc_cad.tolerance.statistics import Yield
 from gomboc_cad.tolerance.study import StudyResult, run_study
 
 _VARIANTS = 4096
@@ -39,8 +40,9 @@ class ProcessRow:
         result = self.result
         return {
             "process": self.process,
-            "yield_monostable": asdict(result.yield_monostable.interval),
-            "yield_tilt": asdict(result.yield_tilt.interval),
+            "variants": result.yield_tilt.variants,
+            "yield_monostable": _yield(result.yield_monostable),
+            "yield_tilt": _yield(result.yield_tilt),
             "undecided": result.yield_monostable.undecided,
             "tilt_deg": None if result.tilt_deg is None else asdict(result.tilt_deg),
             "dead_zone_deg": None if result.dead_zone_deg is None else asdict(result.dead_zone_deg),
@@ -48,6 +50,11 @@ class ProcessRow:
             "dominating": self.dominating,
             "use": self.use,
         }
+
+
+def _yield(found: Yield) -> dict[str, Any]:
+    """The interval if no undecided variant is good, and its upper end if all are."""
+    return {**asdict(found.interval), "high_if_undecided_pass": found.possible.high}
 
 
 def compare_processes(

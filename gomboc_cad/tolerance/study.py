@@ -34,6 +34,8 @@ from gomboc_cad.tolerance.storage import Store
 from gomboc_cad.tolerance.variants import MONOSTABLE, UNDECIDED
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from gomboc_cad.tolerance.model import Source, StudyModel
 
 
@@ -66,6 +68,35 @@ class StudyResult:
     s_margin_mm: Distribution | None
     com_error_um: Distribution
     rows: RowArray
+
+    def plot_yield(self, ax: Axes | None = None) -> Axes:
+        """Draw the yields with their intervals.
+
+        Args:
+            ax: Axes to draw on; new ones if not given.
+
+        Returns:
+            The axes.
+        """
+        from gomboc_cad.report.study_figures import plot_yields
+        from gomboc_cad.report.study_records import ProcessYield
+
+        return plot_yields([ProcessYield.of_study("this study", self)], ax)
+
+    def plot_tilt(self, ax: Axes | None = None) -> Axes:
+        """Draw how many parts tilt by how much.
+
+        Args:
+            ax: Axes to draw on; new ones if not given.
+
+        Returns:
+            The axes.
+        """
+        from gomboc_cad.report.tilt import TiltHistogram
+        from gomboc_cad.report.tilt_figures import plot_tilt_histogram
+
+        histogram = TiltHistogram.of_rows(self.rows)
+        return plot_tilt_histogram(histogram, ax, limit_deg=self.requirement.max_tilt_deg)
 
 
 def run_study(
@@ -178,6 +209,19 @@ class Sensitivity:
     undecided: int
     tilt_deg: tuple[SobolIndex, ...]
     s_margin_mm: tuple[SobolIndex, ...]
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the shares of the variance of the tilt, the largest first.
+
+        Args:
+            ax: Axes to draw on; new ones if not given.
+
+        Returns:
+            The axes.
+        """
+        from gomboc_cad.report.study_figures import plot_sobol
+
+        return plot_sobol(sorted(self.tilt_deg, key=lambda index: -index.total.estimate), ax)
 
 
 def run_sensitivity(

@@ -21,6 +21,10 @@ from gomboc_cad.errors import OutputError, SpecError, StudyError
 from gomboc_cad.products.process import form_amplitudes_mm, known_tolerances, load_process, process_names
 from gomboc_cad.products.subject import NO_SPEC_TO_CHANGE, bare_body, is_spec
 from gomboc_cad.progress import Progress, silent
+from gomboc_cad.report.build_records import study_records
+from gomboc_cad.report.document import body_document
+from gomboc_cad.report.folder import REPORT, VERDICT, is_built, read_results
+from gomboc_cad.report.write import FIGURES, PAGE, add_to_report
 from gomboc_cad.solid.output import write_bytes, writing_to
 from gomboc_cad.tolerance.acceptance import Effort, Target, design_outcome, require_good_design
 from gomboc_cad.tolerance.allowable import form_error_curve
@@ -106,6 +110,7 @@ def study_tolerances(
     changes: Sequence[str] = (),
     executor: str = "local",
     force: bool = False,
+    report: bool = True,
     progress: Progress = silent,
 ) -> dict[str, Any]:
     """Study a product or a body, and write the rows and `tolerance.json` into a folder.
@@ -116,7 +121,8 @@ def study_tolerances(
         question: What is asked.
         changes: `KEY=VALUE` each, for keys of the spec.
         executor: Where the variants are judged: `local`, `local:4` or `dask://HOST:PORT`.
-        force: Allow a folder that holds other files.
+        force: Allow a folder that holds other files, or the build of another design.
+        report: Write the report too.
         progress: Called with the name of each stage as it begins.
 
     Returns:
@@ -135,6 +141,7 @@ def study_tolerances(
         progress("designing what is to be studied")
         models = _models(subject, changes, question, progress)
         model = models.asked
+        _require_own_design(folder, model, force)
         sample = SobolSample(model.dimensions, question.seed, question.variants)
         # Only now that nothing of the question can be refused any more.
         with writing_to(folder):
@@ -158,18 +165,42 @@ def study_tolerances(
             document |= _answers(models, question, pool, progress)
     text = json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     write_bytes(folder / STUDY_FILE, text.encode())
-    return {"folder": str(folder), "files": [rows_file.name, STUDY_FILE], **document}
+    files = [rows_file.name, STUDY_FILE]
+    if report:
+        progress("writing the report")
+        files += _write_report(folder, model, found)
+    return {"folder": str(folder), "files": files, **document}
 
 
 def _require_own_folder(folder: Path, rows_file: Path, force: bool) -> None:
-    """Refuse a folder with files that are not those of a study, unless that is allowed."""
+    """Refuse a folder with files that are neither those of a study nor of a build, unless that is allowed."""
     if folder.exists() and not folder.is_dir():
         raise OutputError(f"{folder} is a file; name a folder to write to.")
-    own = {STUDY_FILE, rows_file.name, f"{rows_file.name}.study.json", f"{rows_file.name}.journal"}
+    rows = {rows_file.name, f"{rows_file.name}.study.json", f"{rows_file.name}.journal"}
+    own = {STUDY_FILE, REPORT, PAGE, FIGURES, *rows}
     with writing_to(folder):
         others = {path.name for path in folder.iterdir()} - own if folder.is_dir() else set()
-    if others and not force:
+    if others and VERDICT not in others and not force:
         raise OutputError(f"{folder} exists and is not empty; name another folder or use --force.")
+
+
+def _require_own_design(folder: Path, model: ProductStudy, force: bool) -> None:
+    """Refuse the folder of another design's build: one report is written of build and study."""
+    if force or not (folder / VERDICT).is_file():
+        return
+    if not is_built(read_results(folder), model.nominal.com_mm):
+        raise StudyError(
+            f"{folder} holds the build of another design (its centre of mass is elsewhere); name another "
+            "folder or use --force."
+        )
+
+
+def _write_report(folder: Path, model: ProductStudy, found: StudyResult) -> list[str]:
+    """Write the report of the folder; give the names of its files."""
+    nominal = model.nominal
+    body = body_document(nominal.body, np.array(nominal.com_mm))
+    written: list[str] = add_to_report(folder, {"body": body, **study_records(model, found)})["files"]
+    return written
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ def template_with(tmp_path: Path):
 
     def write(*changes: tuple[str, str]) -> Path:
         text = (template_folder() / "imu-housing.toml").read_text(encoding="utf-8")
-        for old, new in (('text = "A1" ', 'text = "" '), ("sag_um = 10.0 ", "sag_um = 100.0 "), *changes):
+        for old, new in (('text = "A1" ', 'text = "" '), ("sag_um = 10.0 ", "sag_um = 400.0 "), *changes):
             assert text.count(old) == 1, f"{old!r} stands {text.count(old)} times in the template"
             text = text.replace(old, new)
         path = tmp_path / "mine.toml"

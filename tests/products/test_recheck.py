@@ -22,7 +22,7 @@ from gomboc_cad.solid.step import NamedSolid, read_step
 
 BODY = catalog()["primary"].with_diameter(60.0)
 CENTROID = mass_properties(BODY).com_mm
-FRAME = RestFrame.from_rest(smooth_census(BODY, CENTROID).rest.direction)
+FRAME = RestFrame.from_rest(smooth_census(BODY, CENTROID, margins=False).rest.direction)
 FLANK: Vector = (0.5, -0.5, 0.7)
 
 
@@ -148,12 +148,12 @@ def test_a_recess_at_the_rest_is_the_rest() -> None:
 
 def test_a_recess_beside_the_rest_makes_two() -> None:
     """The centre of mass has moved along the soft direction by more than the rim allows."""
-    rest = smooth_census(BODY, CENTROID).rest
+    rest = smooth_census(BODY, CENTROID, margins=False).rest
     eye = opening(4.0, rest.direction)
     assert eye.com_clearance_mm is not None
     soft = 3.0 * eye.com_clearance_mm * np.array(rest.soft_direction)
     moved = as_vector(np.array(CENTROID) + soft)
-    assert smooth_census(BODY, moved).stable == 1
+    assert smooth_census(BODY, moved, margins=False).stable == 1
     found = rechecked(drilled(eye), eye, com=moved)
     assert (found.verdict, found.stable) == ("multistable", 2)
     assert "also beside it" in found.reasons[0]

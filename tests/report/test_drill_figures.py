@@ -13,6 +13,7 @@ from gomboc_cad.body import catalog
 from gomboc_cad.equilibria.drill_map import DrillMap, drill_limits, drill_map
 from gomboc_cad.errors import OutputError
 from gomboc_cad.report.drill_figures import draw_drill_map, write_drill_table
+from gomboc_cad.report.style import figure_of, new_axes, write_figure
 
 
 @pytest.fixture(scope="module")
@@ -36,13 +37,22 @@ def test_the_table_can_be_read_and_says_what_the_map_says(drilling: DrillMap, tm
         np.testing.assert_allclose(values, getattr(again, column), rtol=0.01, atol=1e-3)
 
 
-def test_the_picture_is_written_and_is_the_same_each_time(drilling: DrillMap, tmp_path: Path) -> None:
+def test_the_picture_is_that_of_the_map_and_the_same_each_time(drilling: DrillMap, tmp_path: Path) -> None:
     first, second = tmp_path / "map.png", tmp_path / "again.png"
     draw_drill_map(drilling, first)
-    draw_drill_map(drilling, second)
+    ax = drilling.plot()
+    write_figure(figure_of(ax), second)
     assert first.read_bytes() == second.read_bytes()
     with Image.open(first) as image:
         assert len(image.convert("RGB").getcolors(1 << 24)) > 100
+    (cells,) = ax.collections
+    # No cell is better than the best place.
+    assert 0.8 * drilling.max_radius_mm < cells.get_array().max() < 1.02 * drilling.max_radius_mm
+
+
+def test_a_map_needs_its_projection(drilling: DrillMap) -> None:
+    with pytest.raises(ValueError, match="mollweide"):
+        drilling.plot(new_axes(None, (4.0, 3.0)))
 
 
 def test_other_kinds_of_files_are_refused(drilling: DrillMap, tmp_path: Path) -> None:

@@ -38,7 +38,7 @@ from gomboc_cad.solid.step import NamedSolid, read_step
 from gomboc_cad.solid.transfer import Transfer, transfer
 from tests.solid.conftest import ORIGIN, SEAM
 
-BODIES = ("primary", "sloan2-0.030", "sloan2-0.035")
+BODIES = ("primary", "sloan2-0.035")
 SPHERE = make_body("sloan2", 0.0)
 
 MARGIN = 0.0033

@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import chi
 
-from gomboc_cad.body import catalog
+from gomboc_cad.body import catalog, mass_properties
 from gomboc_cad.body.sphere import fibonacci_directions, tangent_frame, unit
-from gomboc_cad.equilibria import smooth_census
+from gomboc_cad.equilibria import Census, smooth_census
 from gomboc_cad.errors import StudyError
 from gomboc_cad.tolerance.acceptance import Effort, Target
 from gomboc_cad.tolerance.allowable import (
@@ -136,7 +136,7 @@ PRIMARY = catalog()["primary"].with_diameter(100.0)
 
 def primary_with(forms_mm: Array) -> Outcomes:
     """The homogeneous primary with form errors, judged."""
-    com = smooth_census(PRIMARY).com_mm
+    com = mass_properties(PRIMARY).com_mm
     count = len(forms_mm)
     variants = Variants(
         np.tile(com, (count, 1)), np.tile(np.eye(3), (count, 1, 1)), forms_mm, np.zeros((count, 3))
@@ -144,10 +144,16 @@ def primary_with(forms_mm: Array) -> Outcomes:
     return judge(Nominal(PRIMARY, com), variants)
 
 
+@pytest.fixture(scope="module")
+def census() -> Census:
+    return smooth_census(PRIMARY)
+
+
 @pytest.mark.parametrize("degree", [2, 3, 6, 16])
-def test_the_worst_field_makes_a_second_rest_just_above_the_guaranteed_amplitude(degree: int) -> None:
+def test_the_worst_field_makes_a_second_rest_just_above_the_guaranteed_amplitude(
+    census: Census, degree: int
+) -> None:
     """It bends the soft direction of the rest and moves nothing else: `λ − a · growth` comes to zero."""
-    census = smooth_census(PRIMARY)
     assert census.margin is not None
     assert census.convexity is not None
     frame = np.array([[census.rest.soft_direction, census.rest.stiff_direction]])
@@ -165,8 +171,7 @@ def test_the_worst_field_makes_a_second_rest_just_above_the_guaranteed_amplitude
 
 
 @pytest.mark.parametrize("degree", [2, 5, 12])
-def test_no_field_below_the_guaranteed_amplitude_makes_a_second_rest(degree: int) -> None:
-    census = smooth_census(PRIMARY)
+def test_no_field_below_the_guaranteed_amplitude_makes_a_second_rest(census: Census, degree: int) -> None:
     assert census.margin is not None
     assert census.convexity is not None
     (safe,) = guaranteed_form_mm(

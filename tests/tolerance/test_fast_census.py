@@ -7,6 +7,7 @@ from scipy.spatial.transform import Rotation
 from gomboc_cad.body.mass import sphere_quadrature
 from gomboc_cad.body.sphere import tangent_frame
 from gomboc_cad.equilibria import com_margin, find_equilibria, mesh_census, smooth_census
+from gomboc_cad.equilibria.margin import s_margin_mm
 from gomboc_cad.tolerance.fast_census import judge, nominal_rest_direction
 from gomboc_cad.tolerance.harmonics import coefficient_count, form_error, harmonic_jets
 from gomboc_cad.tolerance.variants import MONOSTABLE, MULTISTABLE, UNDECIDED, Variants
@@ -151,7 +152,7 @@ def test_s_margins_agree_with_the_global_search(gomboc):
     com = np.array(gomboc.com_mm) + 0.06 * rng.normal(size=(8, 3))
     outcome = judge(gomboc, with_com(gomboc, com))
     for row in np.flatnonzero(outcome.verdict == MONOSTABLE):
-        expected = com_margin(gomboc.body, com[row]).s_margin_mm
+        expected = s_margin_mm(gomboc.body, com[row])
         assert outcome.s_margin_mm[row] == pytest.approx(expected, rel=0.02)
 
 
@@ -201,7 +202,7 @@ def test_no_variants_give_no_outcomes(gomboc):
 @pytest.mark.slow
 @pytest.mark.parametrize(("form_mm", "com_mm"), [(0.004, 0.05), (0.03, 0.1)])
 def test_meshes_of_the_solids_rest_likewise(gomboc, form_mm, com_mm):
-    variants = random_variants(gomboc, 16, 13, form_mm=form_mm, com_mm=com_mm, stretch=1e-4)
+    variants = random_variants(gomboc, 10, 13, form_mm=form_mm, com_mm=com_mm, stretch=1e-4)
     outcome = judge(gomboc, variants)
     decided = 0
     for row in range(len(variants)):
@@ -216,4 +217,4 @@ def test_meshes_of_the_solids_rest_likewise(gomboc, form_mm, com_mm):
             assert outcome.verdict[row] == MULTISTABLE
         elif outcome.verdict[row] == MONOSTABLE:
             assert np.dot(census.rest.direction, outcome.rest_direction[row]) > np.cos(np.radians(8.0))
-    assert decided > 5
+    assert decided > 3

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -27,16 +28,16 @@ SMALL = Question(
 
 
 def run(folder: Path, question: Question, subject: str = "primary", **options: Any) -> dict[str, Any]:
-    return study_tolerances(subject, folder, question, executor="local:1", **options)
+    """Study with one process, and no report unless one is wanted."""
+    options = {"executor": "local:1", "report": False, **options}
+    return study_tolerances(subject, folder, question, **options)
 
 
 @pytest.fixture(scope="module")
 def study(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     """A precise part of which 60 % are asked for, with all answers."""
-    from dataclasses import replace
-
     folder = tmp_path_factory.mktemp("study") / "out"
-    return run(folder, replace(SMALL, good_share=0.6, max_tilt_deg=5.0))
+    return run(folder, replace(SMALL, good_share=0.6, max_tilt_deg=5.0), report=True)
 
 
 @pytest.mark.slow

@@ -16,9 +16,11 @@ from gomboc_cad.hydrostatics import (
     FloatingCensus,
     FloatingPose,
     FloatingState,
+    RightingCurve,
     Water,
     floating_census,
     floating_state,
+    righting_curve,
 )
 from gomboc_cad.products.assembly import Assembly
 from gomboc_cad.products.buoy.spec import WaterSpec
@@ -54,6 +56,7 @@ class Floating:
         upright: How it floats when it is held with the mooring below.
         census: All its floating poses.
         gm_with_air_mm: Smaller metacentric height upright, were every recess full of air.
+        righting: Righting arms from the intended pose to upside down.
     """
 
     water: Water
@@ -62,6 +65,7 @@ class Floating:
     upright: FloatingState
     census: FloatingCensus
     gm_with_air_mm: float
+    righting: RightingCurve
 
     @property
     def lowest(self) -> FloatingPose:
@@ -145,6 +149,7 @@ def float_buoy(
         upright=floating_state(wet.vertices_mm, wet.faces, mass_g, com_mm, up, water),
         census=floating_census(wet.vertices_mm, wet.faces, mass_g, com_mm, water, level=_LEVEL),
         gm_with_air_mm=with_air.gm_mm[0],
+        righting=righting_curve(wet.vertices_mm, wet.faces, mass_g, com_mm, up, water),
     )
 
 
@@ -189,6 +194,7 @@ def hydrostatics_document(floating: Floating, assembly: Assembly, verdict: Verdi
             "waterline_mm": [np.round(loop, 4).tolist() for loop in floating.upright.waterline_mm],
             "gm_with_air_in_recesses_mm": floating.gm_with_air_mm,
         },
+        "righting": floating.righting.document(),
         "flat_floor": {
             "verdict": verdict.verdict,
             "stable": None if verdict.census is None else verdict.census.stable,

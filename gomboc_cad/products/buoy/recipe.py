@@ -99,7 +99,7 @@ def design_buoy(
     parting = parting_of(layout.frame, spec.split, placement.core_shift_mm)
     openings = displaced((*layout.fixed_openings, *closure.openings), parting)
     floating = float_buoy(body, _flooded(openings), assembly, layout.frame.up, water)
-    soft = smooth_census(body, assembly.com_mm).rest.soft_direction
+    soft = smooth_census(body, assembly.com_mm, margins=False).rest.soft_direction
     loads = contents.loads(spec, battery)
     return ProductDesign(
         spec=spec,

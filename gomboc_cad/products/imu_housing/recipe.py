@@ -176,7 +176,7 @@ def _soft_direction(body: Body, com_mm: Vector, frame: RestFrame) -> Vector:
     """Direction along which an error tilts the rest most; any level one where there is no smooth census."""
     if not convexity(body).strictly_convex:
         return frame.first
-    return smooth_census(body, com_mm).rest.soft_direction
+    return smooth_census(body, com_mm, margins=False).rest.soft_direction
 
 
 def _notes(spec: ImuHousingSpec, layout: HousingLayout) -> tuple[str, ...]:

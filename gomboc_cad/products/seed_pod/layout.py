@@ -123,7 +123,7 @@ def lay_out(spec: SeedPodSpec, body: Body, seed: Seed, com_mm: Vector, least_wal
     Raises:
         GeometryError: If something does not fit.
     """
-    rest = smooth_census(body, com_mm).rest
+    rest = smooth_census(body, com_mm, margins=False).rest
     frame = RestFrame.from_rest(rest.direction)
     axes = _as_axes(seed.axes_in(frame.matrix()))
     inside = Ellipsoid(com_mm, axes, as_vector(seed.semi_axes_mm))

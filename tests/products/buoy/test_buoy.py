@@ -36,7 +36,7 @@ GLUED: Changes = {"kind": "dowels", "diameter_mm": 5.0, "length_mm": 16.0}
 def spec_with(**tables: Changes) -> BuoySpec:
     """The template with some keys changed, or a whole table where it has a `kind`; meshes are coarser."""
     data = read_toml(template_folder() / "buoy.toml")
-    for name, changes in ({"mesh": {"sag_um": 100.0}} | tables).items():
+    for name, changes in ({"mesh": {"sag_um": 400.0}} | tables).items():
         data[name] = changes if "kind" in changes else data.get(name, {}) | changes
     return parse_model(BuoySpec, data, "buoy.toml")
 

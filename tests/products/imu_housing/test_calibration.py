@@ -60,6 +60,12 @@ def census() -> Census:
     return smooth_census(BODY, CENTROID + np.array([-0.1, 0.004, 0.03]))
 
 
+@pytest.fixture(scope="module")
+def housing_census(default_housing: HousingDesign) -> Census:
+    """The default housing about its own centre of mass."""
+    return smooth_census(default_housing.body, default_housing.assembly.com_mm)
+
+
 def as_contribution(covariance: Array) -> Contribution:
     (a, b), (c, d) = covariance.tolist()
     return Contribution("test", "any", ((a, b), (c, d)))
@@ -165,7 +171,7 @@ def test_the_true_census_agrees_with_the_covariance_and_the_cone(census: Census)
 @pytest.mark.parametrize("axis", [0, 1])
 def test_a_table_off_level_tilts_the_part_by_more_than_itself(axis: int) -> None:
     """Solve for the pose on an inclined plane: the centre of mass over the contact, |∇h| = h tan α."""
-    rest = smooth_census(BODY, CENTROID).rest
+    rest = smooth_census(BODY, CENTROID, margins=False).rest
     slope = math.radians(0.002)
     tangents = np.array([rest.soft_direction, rest.stiff_direction])
 
@@ -224,21 +230,21 @@ def test_the_cone_holds_its_probability(ratio: float, angle: float) -> None:
     assert inside / (2.0 * math.pi * ratio) == pytest.approx(0.95, abs=1e-5)
 
 
-def test_no_tolerances_give_no_covariance(default_housing: HousingDesign) -> None:
-    census = smooth_census(default_housing.body, default_housing.assembly.com_mm)
+def test_no_tolerances_give_no_covariance(default_housing: HousingDesign, housing_census: Census) -> None:
     exact = known_to(default_housing.mounted, mass_g=0.0, com_mm=0.0)
-    result = calibrate_housing(default_housing.assembly, exact, census, EXACT)
+    result = calibrate_housing(default_housing.assembly, exact, housing_census, EXACT)
     assert not np.array(result.covariance_rad2).any()
     assert result.cone_95_deg == 0.0
     assert "Taken as exact" in result.notes[-1]
 
 
-def test_the_housing_adds_its_sources_by_square(default_housing: HousingDesign) -> None:
-    census = smooth_census(default_housing.body, default_housing.assembly.com_mm)
+def test_the_housing_adds_its_sources_by_square(
+    default_housing: HousingDesign, housing_census: Census
+) -> None:
     setup = ToleranceSpec(com_error_um=2.0, seating_deg=0.2, table_level_deg=0.001, rolling_resistance_um=1.0)
-    result = calibrate_housing(default_housing.assembly, default_housing.mounted, census, setup)
+    result = calibrate_housing(default_housing.assembly, default_housing.mounted, housing_census, setup)
     by_source = {item.source: item for item in result.contributions}
-    soft = math.radians(census.rest.tilt_deg_per_um[0])
+    soft = math.radians(housing_census.rest.tilt_deg_per_um[0])
     com, _ = by_source["centre of mass of the assembly"].deviation_deg
     assert math.radians(com) == pytest.approx(2.0 / math.sqrt(3.0) * soft)
     seating = by_source["seating of the board"]
@@ -256,13 +262,14 @@ def test_the_housing_adds_its_sources_by_square(default_housing: HousingDesign) 
     assert mass < 0.05 * board
 
 
-def test_the_document_is_json_with_units_and_an_honest_sentence(default_housing: HousingDesign) -> None:
-    census = smooth_census(default_housing.body, default_housing.assembly.com_mm)
+def test_the_document_is_json_with_units_and_an_honest_sentence(
+    default_housing: HousingDesign, housing_census: Census
+) -> None:
     setup = ToleranceSpec(com_error_um=1.0, seating_deg=0.1)
     document = json.loads(
         json.dumps(
             calibration_document(
-                calibrate_housing(default_housing.assembly, default_housing.mounted, census, setup)
+                calibrate_housing(default_housing.assembly, default_housing.mounted, housing_census, setup)
             )
         )
     )
@@ -292,10 +299,11 @@ def test_a_centre_of_mass_too_uncertain_for_its_margin_is_said(default_housing: 
     assert any("second rest can appear" in note for note in careless)
 
 
-def test_the_sensor_is_where_the_housing_has_it(default_housing: HousingDesign) -> None:
+def test_the_sensor_is_where_the_housing_has_it(
+    default_housing: HousingDesign, housing_census: Census
+) -> None:
     """Its place is over the board's laminate in the assembly, half a package above it."""
-    census = smooth_census(default_housing.body, default_housing.assembly.com_mm)
-    result = calibrate_housing(default_housing.assembly, default_housing.mounted, census)
+    result = calibrate_housing(default_housing.assembly, default_housing.mounted, housing_census)
     laminate = next(part for part in default_housing.assembly.parts if part.name == "board").solid
     frame, board = default_housing.frame, default_housing.mounted.board
     along, across, height = frame.matrix() @ result.sensor_position_mm
@@ -317,15 +325,16 @@ def test_only_a_single_rest_is_calibrated(default_housing: HousingDesign) -> Non
     assert good["calibration.json"]["cone_95_deg"] > 0.0
 
 
-def test_every_uncertain_part_is_a_source_of_its_own(default_housing: HousingDesign) -> None:
+def test_every_uncertain_part_is_a_source_of_its_own(
+    default_housing: HousingDesign, housing_census: Census
+) -> None:
     """A second load adds its square to the first; both are named."""
-    census = smooth_census(BODY, default_housing.assembly.com_mm)
     one = UncertainLoad("board", 0.0, 0.3)
     other = UncertainLoad("screw-1", 0.0, 0.4)
 
     def deviation(*loads: UncertainLoad) -> float:
         mounted = replace(default_housing.mounted, loads=loads)
-        return calibrate_housing(default_housing.assembly, mounted, census, EXACT).deviation_deg[0]
+        return calibrate_housing(default_housing.assembly, mounted, housing_census, EXACT).deviation_deg[0]
 
     # The sensor's own misalignment is not given for this board, so nothing else counts.
     assert deviation() == 0.0

@@ -96,7 +96,7 @@ def test_an_opening_at_the_rest_is_the_rest_as_long_as_the_centre_of_mass_is_nea
     assert eye.state == "rest"
     assert eye.allowed_radius_mm is None
     np.testing.assert_allclose(eye.direction, -np.array(FRAME.up), atol=1e-12)
-    rest = smooth_census(BODY, COM).rest
+    rest = smooth_census(BODY, COM, margins=False).rest
     soft = rest.stiffness_mm[0]
     assert eye.com_clearance_mm == pytest.approx(soft * 3.0 / (soft + rest.height_mm), rel=0.02)
     assert f"{1e3 * eye.com_clearance_mm:.3g} µm" in eye.sentence
@@ -107,7 +107,7 @@ def test_an_opening_at_the_rest_is_the_rest_as_long_as_the_centre_of_mass_is_nea
 def test_beyond_its_clearance_a_product_rests_in_the_eye_and_beside_it() -> None:
     """The smooth body has one rest about either centre of mass; the drilled one has two about the second."""
     (eye,) = placed(EYE)
-    soft = np.array(smooth_census(BODY, COM).rest.soft_direction)
+    soft = np.array(smooth_census(BODY, COM, margins=False).rest.soft_direction)
     for share, rests in ((0.5, 1), (6.0, 2)):
         com = COM + share * eye.com_clearance_mm * soft
         assert sum(e.kind == "stable" for e in find_equilibria(BODY, com)) == 1
@@ -116,7 +116,7 @@ def test_beyond_its_clearance_a_product_rests_in_the_eye_and_beside_it() -> None
 
 def test_an_eye_that_the_rest_has_left_is_said_to_be_a_second_rest() -> None:
     (eye,) = placed(EYE)
-    soft = np.array(smooth_census(BODY, COM).rest.soft_direction)
+    soft = np.array(smooth_census(BODY, COM, margins=False).rest.soft_direction)
     near, off = (placed(EYE, com=COM + k * eye.com_clearance_mm * soft)[0] for k in (0.9, 1.1))
     assert (near.state, off.state) == ("rest", "forced")
     assert near.com_clearance_mm == pytest.approx(0.1 * eye.com_clearance_mm, rel=0.05)
