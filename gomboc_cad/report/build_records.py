@@ -35,7 +35,9 @@ def product_records(design: ProductDesign, verdict: Verdict) -> dict[str, Any]:
         verdict: The verdict on it.
     """
     census = verdict.census
-    return {} if census is None else _pose_records(design.body, census, com_covariance_mm2(design))
+    if census is None:
+        return {}
+    return _pose_records(design.body, census, com_covariance_mm2(design), verdict.s_margin_mm)
 
 
 def study_records(model: StudyModel, result: StudyResult) -> dict[str, Any]:
@@ -52,7 +54,7 @@ def study_records(model: StudyModel, result: StudyResult) -> dict[str, Any]:
         return found
     errors_mm = 1e-3 * np.stack([result.rows[name] for name in COM_ERROR], axis=-1)
     spread = errors_mm.T @ errors_mm / len(errors_mm)
-    return found | _pose_records(model.nominal.body, census, spread)
+    return found | _pose_records(model.nominal.body, census, spread, None)
 
 
 def com_covariance_mm2(design: ProductDesign) -> Array:
@@ -69,7 +71,9 @@ def com_covariance_mm2(design: ProductDesign) -> Array:
     return result
 
 
-def _pose_records(body: Body, census: Census, spread_mm2: Array) -> dict[str, Any]:
+def _pose_records(
+    body: Body, census: Census, spread_mm2: Array, product_margin_mm: float | None
+) -> dict[str, Any]:
     """All that depends on the body and its COM; of a dented body, which has no margin, there is less."""
     margin = census.margin
     found = {
@@ -81,5 +85,5 @@ def _pose_records(body: Body, census: Census, spread_mm2: Array) -> dict[str, An
         return found
     return found | {
         "zone_mesh": zone_mesh(body).document(),
-        "zone_section": zone_section(body, census, spread_mm2).document(),
+        "zone_section": zone_section(body, census, spread_mm2, product_margin_mm).document(),
     }

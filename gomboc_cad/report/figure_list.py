@@ -103,8 +103,18 @@ def _pose_figures(report: Document, tilt: TiltSensitivity | None) -> Iterator[Na
 @styled
 def _zone_figure(section: ZoneSection) -> Figure:
     figure = new_figure(10.6, 5.8)
-    for place, whole in ((1, True), (2, False)):
-        plot_zone_section(section, figure.add_subplot(1, 2, place), whole=whole)
+    whole, close_up = (figure.add_subplot(1, 2, place) for place in (1, 2))
+    plot_zone_section(section, whole, whole=True)
+    plot_zone_section(section, close_up)
+    # The close-up shows all that the other shows.
+    both, own = whole.get_legend(), close_up.get_legend()
+    assert both is not None
+    assert own is not None
+    texts = [text.get_text() for text in own.get_texts()]
+    handles = [handle for handle in own.legend_handles if handle is not None]
+    figure.legend(handles, texts, loc="outside lower center", ncols=4)
+    both.remove()
+    own.remove()
     return figure
 
 

@@ -39,11 +39,13 @@ class Results:
         hashes: SHA-256 of each of those files but the report's own, in the order of `SOURCES`, and of the
             study's rows.
         stale_study: Whether there is a study of another design than the build; it is left out.
+        unfinished_study: Whether there is a study that was interrupted.
     """
 
     documents: Mapping[str, dict[str, Any]]
     hashes: Mapping[str, str]
     stale_study: bool = False
+    unfinished_study: bool = False
 
     def value(self, name: str) -> Value:
         """The content of a file, absent if there is none."""
@@ -76,8 +78,14 @@ def read_results(folder: Path, beside: Path | None = None) -> Results:
         with suppress(InspectionError):
             found[TOLERANCE] = _read(beside / TOLERANCE)
             there |= _files(beside, (TOLERANCE, *_ROWS))
-    if not found.keys() & _NEEDED.keys():
-        _refuse_half_a_study(folder)
+    unfinished = TOLERANCE not in found and any(
+        any(place.glob("variants.*.study.json")) for place in (folder, beside) if place is not None
+    )
+    if unfinished and VERDICT not in found:
+        raise InspectionError(
+            f"The study in {folder} is not finished; run the same `gomboc-cad tolerance` command again, and "
+            "it goes on where it was."
+        )
     if not found.keys() & _NEEDED.keys():
         raise InspectionError(
             f"{folder} holds neither {VERDICT} nor {TOLERANCE}; write one with `gomboc-cad build` or "
@@ -90,7 +98,8 @@ def read_results(folder: Path, beside: Path | None = None) -> Results:
         found.pop(name, None)
         there.pop(name, None)
     names = [name for name in (*SOURCES, *of_study) if name in there]
-    return _of_one_design(Results(found, {name: _sha256(there[name]) for name in names}))
+    hashes = {name: _sha256(there[name]) for name in names}
+    return _of_one_design(Results(found, hashes, unfinished_study=unfinished))
 
 
 def report_of(folder: Path) -> dict[str, Any]:
@@ -98,15 +107,6 @@ def report_of(folder: Path) -> dict[str, Any]:
     with suppress(InspectionError):
         return _read(folder / REPORT)
     return {}
-
-
-def _refuse_half_a_study(folder: Path) -> None:
-    """A study that was interrupted leaves its rows or their journal, and no result."""
-    if any(folder.glob("variants.*.study.json")):
-        raise InspectionError(
-            f"The study in {folder} is not finished; run the same `gomboc-cad tolerance` command again, and "
-            "it goes on where it was."
-        )
 
 
 def _files(folder: Path, names: Sequence[str]) -> dict[str, Path]:

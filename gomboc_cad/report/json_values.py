@@ -10,7 +10,8 @@ from gomboc_cad.errors import InspectionError
 
 _MISSING: Any = object()
 _MOST_ITEMS = 2000
-"""A longer list is not shown; none of ours is longer."""
+_LONGEST_TEXT = 20_000
+"""A longer list or text is none of ours."""
 
 
 class Value:
@@ -123,7 +124,7 @@ class Value:
         Raises:
             InspectionError: If it is none.
         """
-        if not isinstance(self._raw, str):
+        if not isinstance(self._raw, str) or len(self._raw) > _LONGEST_TEXT:
             raise self.refused("a text")
         return self._raw
 

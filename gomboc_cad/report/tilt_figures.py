@@ -31,8 +31,10 @@ def plot_tilt(tilt: TiltSensitivity, ax: Axes | None = None) -> Axes:
         The axes.
     """
     ax = new_axes(ax, (7.4, 4.4))
-    ax.set(xscale="log", yscale="log", xlim=_ERRORS_UM, ylim=(_LEAST_DEG, _MOST_DEG))
-    errors = np.geomspace(*_ERRORS_UM, 61)
+    low, high = _ERRORS_UM
+    high = max(high, 1.5 * (tilt.s_margin_um or 0.0))
+    ax.set(xscale="log", yscale="log", xlim=(low, high), ylim=(_LEAST_DEG, _MOST_DEG))
+    errors = np.geomspace(low, high, 61)
     soft, stiff = (np.degrees(np.arctan(np.radians(rate) * errors)) for rate in tilt.tilt_deg_per_um)
     ax.fill_between(errors, stiff, soft, color=BLUE, alpha=0.2, linewidth=0.0)
     ax.plot(errors, soft, color=BLUE, linewidth=1.8, label="along the soft direction")
@@ -46,7 +48,10 @@ def plot_tilt(tilt: TiltSensitivity, ax: Axes | None = None) -> Axes:
         if value is not None:
             ax.axhline(value, color=color, linestyle=style, linewidth=1.6, label=f"{name}, {value:.3g}°")
     if tilt.s_margin_um is not None:
-        text = f"S-margin, {tilt.s_margin_um:.3g} µm: beyond it other rests"
+        margin = (
+            f"{1e-3 * tilt.s_margin_um:.3g} mm" if tilt.s_margin_um >= 1e3 else f"{tilt.s_margin_um:.3g} µm"
+        )
+        text = f"S-margin, {margin}: beyond it other rests"
         ax.axvline(tilt.s_margin_um, color=INK, linewidth=1.4, linestyle=(0, (6, 2, 1, 2)), label=text)
     ax.set(xlabel="error of the centre of mass / µm", ylabel="tilt of the rest / °")
     ax.xaxis.set_major_formatter(PLAIN)

@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from gomboc_cad.errors import InspectionError
 from gomboc_cad.report.document import completed, merged
 from gomboc_cad.report.figure_list import NamedFigure, report_figures
 from gomboc_cad.report.folder import (
@@ -51,6 +50,8 @@ def write_report(folder: Path, beside: Path | None = None) -> dict[str, Any]:
     report = completed(found)
     results = replace(found, documents={**found.documents, REPORT: report})
     scene = scene_of(results)
+    # Without figures at first: the page names file and key of whatever is wrong.
+    render_page(results, {}, None)
     figures = _figures(results)
     inlined = {
         named.name: svg_text(named.figure, named.name) for named in figures if named.name not in _NOT_INLINED
@@ -84,20 +85,11 @@ def json_bytes(document: Mapping[str, Any]) -> bytes:
 
 
 def _figures(results: Results) -> list[NamedFigure]:
-    """All figures that the documents of a folder give.
-
-    Raises:
-        InspectionError: If one of them lacks what its figure needs.
-    """
-    try:
-        return report_figures(
-            results.documents[REPORT],
-            verdict=results.plain(VERDICT),
-            calibration=results.plain(CALIBRATION),
-            hydrostatics=results.plain(HYDROSTATICS),
-            tolerance=results.plain(TOLERANCE),
-        )
-    except InspectionError:
-        # The page names file and key, where it needs the same value.
-        render_page(results, {}, None)
-        raise
+    """All figures that the documents of a folder give."""
+    return report_figures(
+        results.documents[REPORT],
+        verdict=results.plain(VERDICT),
+        calibration=results.plain(CALIBRATION),
+        hydrostatics=results.plain(HYDROSTATICS),
+        tolerance=results.plain(TOLERANCE),
+    )

@@ -54,15 +54,14 @@ def plot_zone_section(section: ZoneSection, ax: Axes | None = None, *, whole: bo
     """
     from matplotlib.patches import Patch
 
-    ax = new_axes(ax, (5.4, 5.6))
+    ax = new_axes(ax, (5.8, 6.6))
     fields = section.whole if whole else section.close_up
     _paint(ax, fields)
     for curve in section.curves_mm:
         ax.plot(*np.append(curve, curve[:1], axis=0).T, color=VERMILION, linewidth=0.9)
     ax.plot(*np.append(section.outline_mm, section.outline_mm[:1], axis=0).T, color=INK, linewidth=1.0)
     ax.plot(0.0, 0.0, "+", color=INK, markersize=9, markeredgewidth=1.6, label="centre of mass")
-    margin = section.s_margin_mm
-    _draw_ring(ax, (0.0, 0.0), margin * np.eye(2), INK, linewidth=1.2, label=f"S-margin, {margin:.3g} mm")
+    _draw_margins_of(ax, section)
     if not whole:
         nearest = "nearest place with other rests"
         ax.plot(*section.witness_mm, "o", color=VERMILION, markersize=5, label=nearest)
@@ -101,6 +100,19 @@ def _paint(ax: Axes, fields: Fields) -> None:
     reach = fields.reach_mm
     image = colors[np.minimum(fields.rests, 2)]
     ax.imshow(image, origin="lower", extent=(-reach, reach, -reach, reach), interpolation="nearest")
+
+
+def _draw_margins_of(ax: Axes, section: ZoneSection) -> None:
+    """Draw the S-margin of the body, and that of the product where openings make it smaller."""
+    margin, product = section.s_margin_mm, section.product_margin_mm
+    less = product is not None and product < 0.999 * margin
+    name = "S-margin without openings" if less else "S-margin"
+    line = (0, (2, 2)) if less else "solid"
+    reach = margin * np.eye(2)
+    _draw_ring(ax, (0.0, 0.0), reach, INK, linestyle=line, label=f"{name}, {margin:.3g} mm")
+    if product is not None and less:
+        label = f"S-margin of the product, {product:.3g} mm"
+        _draw_ring(ax, (0.0, 0.0), product * np.eye(2), GREEN, linewidth=1.8, label=label)
 
 
 def _draw_ring(ax: Axes, center: tuple[float, float], reach_mm: Array, color: str, **style: Any) -> None:

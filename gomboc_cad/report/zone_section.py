@@ -100,13 +100,15 @@ class ZoneSection:
     Attributes:
         com_mm: The COM in the body's frame.
         axes: To the right and upwards, as unit vectors of the body's frame.
-        s_margin_mm: Distance to the nearest place with another number of rests.
+        s_margin_mm: Distance to the nearest place with another number of rests, of the body without openings.
         witness_mm: That place.
         curves_mm: Closed curves across which the number of rests changes, shape (k, 2) each.
         outline_mm: Section of the body's surface, shape (k, 2).
         whole: The fields in the whole body.
         close_up: Those near the COM.
         com_covariance_mm2: Covariance of the COM in this plane, shape (2, 2); None if nothing is known of it.
+        product_margin_mm: The S-margin of the finished product, in whose openings there may be a rest sooner;
+            None if nothing is known of them.
     """
 
     com_mm: Vector
@@ -118,6 +120,7 @@ class ZoneSection:
     whole: Fields
     close_up: Fields
     com_covariance_mm2: Array | None
+    product_margin_mm: float | None = None
 
     def document(self) -> dict[str, Any]:
         """As it is stored."""
@@ -132,6 +135,7 @@ class ZoneSection:
             "whole": self.whole.document(),
             "close_up": self.close_up.document(),
             "com_covariance_mm2": None if covariance is None else covariance.tolist(),
+            "product_margin_mm": self.product_margin_mm,
         }
 
     @classmethod
@@ -143,7 +147,7 @@ class ZoneSection:
         """
         right, up = (as_vector(np.array(axis)) for axis in document["axes"])
         x, y = document["witness_mm"]
-        covariance = document["com_covariance_mm2"]
+        covariance, product = document["com_covariance_mm2"], document["product_margin_mm"]
         return cls(
             com_mm=as_vector(np.array(document["com_mm"])),
             axes=(right, up),
@@ -154,11 +158,15 @@ class ZoneSection:
             whole=Fields.of_document(document["whole"]),
             close_up=Fields.of_document(document["close_up"]),
             com_covariance_mm2=None if covariance is None else np.array(covariance, dtype=float),
+            product_margin_mm=None if product is None else float(product),
         )
 
 
 def zone_section(
-    body: Body, census: Census, com_covariance_mm2: Sequence[Sequence[float]] | Array | None = None
+    body: Body,
+    census: Census,
+    com_covariance_mm2: Sequence[Sequence[float]] | Array | None = None,
+    product_margin_mm: float | None = None,
 ) -> ZoneSection:
     """Cut the loading zone where the COM is nearest to its wall.
 
@@ -166,6 +174,7 @@ def zone_section(
         body: A strictly convex body.
         census: Its census about the given COM.
         com_covariance_mm2: How uncertain that COM is, in the body's frame, shape (3, 3).
+        product_margin_mm: The S-margin of the finished product.
 
     Raises:
         CensusError: If the census has no margin, as that of a mesh.
@@ -199,6 +208,7 @@ def zone_section(
         whole=drawing.fields(across),
         close_up=drawing.fields(min(near, across)),
         com_covariance_mm2=covariance,
+        product_margin_mm=product_margin_mm,
     )
 
 

@@ -58,7 +58,7 @@ def built_housing(tmp_path_factory: pytest.TempPathFactory) -> BuiltHousing:
     tested where it is made.
     """
     folder = tmp_path_factory.mktemp("housing") / "out"
-    command = [sys.executable, "-m", "gomboc_cad", "build", "imu-housing", "-o", str(folder), "--json"]
+    command = [sys.executable, "-m", "gomboc_cad", "build", "imu-housing", "-o", str(folder), "--json", "-q"]
     command += ["--set", f"mesh.sag_um={SAG_UM}", "--no-report"]
     done = subprocess.run(command, capture_output=True, encoding="utf-8", timeout=300, check=False)
     assert done.returncode == 0, done.stderr + done.stdout

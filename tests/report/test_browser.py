@@ -12,7 +12,10 @@ import numpy as np
 import pytest
 from matplotlib import image
 
+from gomboc_cad.report.protocol import share_at_least
 from tests.external import require_module
+from tests.report.conftest import MakeResults, write_page
+from tests.report.test_page import NASTY, rename_everything
 
 ARGUMENTS = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]
 """WebGL without a graphics card."""
@@ -156,6 +159,15 @@ def test_a_part_with_the_name_of_a_script_stays_text(wide: Opened) -> None:
     assert wide.said == []
 
 
+def test_a_spec_full_of_scripts_runs_none(open_page: OpenPage, changed: MakeResults) -> None:
+    folder = changed("verdict.json", rename_everything)
+    write_page(folder)
+    opened = open_page(folder)
+    assert opened.said == []
+    assert opened.page.inner_text("h1") == NASTY
+    assert opened.page.locator("#asked").get_by_text(NASTY).count() > 3
+
+
 def test_dark_and_light_have_enough_contrast(open_page: OpenPage, housing: Path) -> None:
     grounds = []
     for scheme in ("light", "dark"):
@@ -208,6 +220,16 @@ def test_without_webgl_a_still_picture_stays(browser: Any, housing: Path) -> Non
     assert page.is_visible("#still")
     assert not page.is_visible("#viewer")
     context.close()
+
+
+@pytest.mark.parametrize(("drops", "misses"), [(59, 0), (30, 2), (1000, 13), (3, 3)])
+def test_the_form_says_what_the_drops_show(wide: Opened, drops: int, misses: int) -> None:
+    wide.page.fill("#drops", str(drops))
+    wide.page.fill("#misses", str(misses))
+    said = wide.page.inner_text("#share-at-least")
+    assert said == f"{100.0 * share_at_least(drops, misses):.1f} %, with 95 % confidence"
+    wide.page.fill("#misses", "two")
+    assert wide.page.inner_text("#share-at-least") == "–"
 
 
 def test_the_form_can_be_filled_in(wide: Opened) -> None:

@@ -46,7 +46,7 @@ def dented() -> Census:
 
 
 def test_a_dented_body_has_what_its_hull_tells(dented: Census) -> None:
-    found = product_records(design(catalog()["second"]), SimpleNamespace(census=dented))  # type: ignore[arg-type]
+    found = product_records(design(catalog()["second"]), SimpleNamespace(census=dented, s_margin_mm=None))  # type: ignore[arg-type]
     assert set(found) == {"surface", "landscape", "tilt"}
     assert found["surface"]["drill_radius_mm"] is None
     assert found["tilt"]["s_margin_um"] is None

@@ -135,7 +135,7 @@ def test_text_of_the_spec_stays_text(changed: MakeResults) -> None:
     page = page_of(folder)
     assert NASTY not in page
     assert page.count("&lt;script&gt;alert(1)&lt;/script&gt;") > 8
-    own = page.index("<script>\n// What is folded")
+    own = page.index('<script>\n"use strict";')
     assert "<script" not in page[:own]
 
 
@@ -155,6 +155,13 @@ def test_a_study_of_another_design_is_left_out_and_that_is_said(changed: MakeRes
     assert "The study in this folder is of another design" in text
     assert "not studied" in text
     assert untraced(folder) == []
+
+
+def test_an_unfinished_study_beside_a_build_is_said(tmp_path: Path) -> None:
+    folder = copied(tmp_path / "out", "housing")
+    (folder / "variants.csv.study.json").write_text("{}", encoding="utf-8")
+    write_page(folder)
+    assert "A study in this folder is not finished" in shown(folder)
 
 
 def test_a_study_alone_has_its_report_too(tmp_path: Path) -> None:

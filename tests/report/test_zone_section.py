@@ -112,6 +112,15 @@ def test_without_a_spread_there_is_no_ellipse(census: Census) -> None:
     assert "95 % of the COM errors" not in labels
 
 
+def test_a_smaller_margin_of_the_product_is_drawn_beside_that_of_the_body(census: Census) -> None:
+    body = catalog()["primary"]
+    stored = zone_section(body, census, None, 0.05).document()
+    lines = plot_zone_section(ZoneSection.of_document(json.loads(json.dumps(stored)))).lines
+    radii = {str(line.get_label()): np.hypot(*line.get_data()).max() for line in lines}
+    assert radii["S-margin of the product, 0.05 mm"] == pytest.approx(0.05)
+    assert radii["S-margin without openings, 0.382 mm"] == pytest.approx(0.382, abs=5e-4)
+
+
 def test_the_ellipse_holds_95_percent(section: ZoneSection) -> None:
     ax = new_axes(None, (4.0, 4.0))
     assert plot_zone_section(section, ax) is ax
