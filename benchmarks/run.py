@@ -18,6 +18,7 @@ from pathlib import Path
 
 import certify
 import mesh_census
+import report
 import tolerance
 
 REPEATS = 5
@@ -164,6 +165,7 @@ def main() -> int:
     census_tables, census_within = mesh_census.tables()
     certificate_table, certificates_within = certify.table()
     study_tables, study_within = tolerance.tables()
+    report_table, report_within = report.table()
     text = "\n".join(
         [
             f"Machine: {machine()}. Median of {REPEATS} runs, of 3 builds, taking turns.",
@@ -189,6 +191,10 @@ def main() -> int:
             "## The tolerance study",
             "",
             study_tables,
+            "",
+            "## The report",
+            "",
+            report_table,
         ]
     )
     print(text)
@@ -196,7 +202,8 @@ def main() -> int:
         page = PAGE.read_text(encoding="utf-8")
         before, after = page.split(BEGIN)[0], page.split(END)[1]
         PAGE.write_text(f"{before}{BEGIN}\n\n{text}\n\n{END}{after}", encoding="utf-8")
-    return 0 if quick and accurate and census_within and certificates_within and study_within else 1
+    within = (quick, accurate, census_within, certificates_within, study_within, report_within)
+    return 0 if all(within) else 1
 
 
 if __name__ == "__main__":
