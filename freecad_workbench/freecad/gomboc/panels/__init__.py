@@ -1,0 +1,1 @@
+"""Task panels, the dialog of the first use, and what the status bar shows."""
