@@ -56,7 +56,7 @@ def render_page(results: Results, figures: Mapping[str, str], scene: Mapping[str
         .get_template("page.html.j2")
         .render(
             stale_study=results.stale_study,
-        unfinished_study=results.unfinished_study,
+            unfinished_study=results.unfinished_study,
             subject=verdict["product"] if verdict else study["subject"],
             sections=[(name, title) for name, title in _SECTIONS.items() if name not in left_out],
             verdict=verdict,
@@ -70,7 +70,7 @@ def render_page(results: Results, figures: Mapping[str, str], scene: Mapping[str
             gradients={} if scene is None else gradients(),
             style=Markup(_text("page.css")),
             viewer=Markup(_text("viewer.js")),
-        form=Markup(_text("form.js")),
+            form=Markup(_text("form.js")),
         )
     )
 
