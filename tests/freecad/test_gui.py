@@ -469,28 +469,41 @@ def test_a_part_of_the_user_is_told_the_truth(windows: Windows) -> None:
             capsule.Shape = tube.fuse(balls).removeSplitter()
             low = document.addObject("Part::Vertex", "Low")
             low.Z = -4
+            inside = document.addObject("Part::Vertex", "Inside")
+            inside.X = inside.Y = inside.Z = 4
             document.recompute()
-            select(fillet)
-            press("Gomboc_Check")
-            yield lambda: computed(document.getObject("Check"))
-            report(box=verdict(document.Check), panel=widget("GombocVerdict").text())
             select(capsule, low)
             press("Gomboc_Check")
+            yield lambda: computed(document.getObject("Check"))
+            report(capsule=verdict(document.Check), poses=document.Check.Poses)
+            select(fillet)
+            press("Gomboc_Check")
             yield lambda: computed(document.getObject("Check001"))
-            report(capsule=verdict(document.Check001))
-            low.Z = 24
+            view = document.Check001.ViewObject
+            report(box=verdict(document.Check001), panel=widget("GombocVerdict").text(),
+                   look=[view.DisplayMode, view.LineColor[0] > view.LineColor[1]])
+            select(fillet, (inside, "Vertex1"))
+            press("Gomboc_Check")
+            yield lambda: computed(document.getObject("Check002"))
+            report(inside=verdict(document.Check002))
+            inside.Z = 3
             document.recompute()
-            yield lambda: document.Check001.Status == "done" and document.Check001.CentreOfMass.z > 0
-            report(top=verdict(document.Check001), poses=document.Check001.Poses)
+            yield lambda: document.Check002.Status == "done" and document.Check002.CentreOfMass.z < 4
+            report(moved=verdict(document.Check002))
             select(capsule)
             press("Gomboc_PlaceCom")
             yield lambda: widget("GombocPlace")
-            own = [widget("GombocPoint" + axis).value() for axis in "XYZ"]
+            report(own=[widget("GombocPoint" + axis).value() for axis in "XYZ"])
             widget("GombocPointZ").setValue(-4)
-            way = widget("GombocWay").text()
+            report(way=widget("GombocWay").text())
+            Gui.Control.closeDialog()
+            select(box)
+            press("Gomboc_PlaceCom")
+            yield lambda: widget("GombocPlace")
+            widget("GombocPointX").setValue(2)
             accept()
-            yield lambda: computed(document.getObject("Check002"))
-            report(own=own, way=way, placed=verdict(document.Check002))
+            yield lambda: computed(document.getObject("Check003"))
+            report(placed=verdict(document.Check003))
             import Mesh, PartDesign
             mesh = document.addObject("Mesh::Feature", "Mesh")
             mesh.Mesh = Mesh.createBox(10, 10, 10)
@@ -499,12 +512,12 @@ def test_a_part_of_the_user_is_told_the_truth(windows: Windows) -> None:
             document.recompute()
             select(mesh)
             press("Gomboc_Check")
-            yield lambda: computed(document.getObject("Check003"))
+            yield lambda: computed(document.getObject("Check004"))
             select(prism)
             press("Gomboc_Check")
-            yield lambda: computed(document.getObject("Check004"))
-            report(mesh=verdict(document.Check003), design=verdict(document.Check004),
-                   checked=document.Check004.Part.Name)
+            yield lambda: computed(document.getObject("Check005"))
+            report(mesh=verdict(document.Check004), design=verdict(document.Check005),
+                   checked=document.Check005.Part.Name)
             select(low)
             report(point_alone=Gui.Command.get("Gomboc_Check").isActive())
         """,
@@ -518,12 +531,14 @@ def test_a_part_of_the_user_is_told_the_truth(windows: Windows) -> None:
         [cut * (5 - depth) / (100 - cut)] * 2, rel=1e-2
     )
     assert "Several stable poses" in found["panel"]
+    assert found["look"] == ["Flat Lines", True], "its poses are drawn, in red"
     assert found["capsule"] == ["done", "monostable", 1, [0, 0, -4], "pass"]
-    assert found["top"] == ["done", "monostable", 1, [0, 0, 24], "pass"], "it follows the point"
-    assert "1.0000), height 6 mm" in found["poses"][0], "with its other end down"
+    assert "-1.0000), height 6 mm" in found["poses"][0], "that pole is down"
+    assert found["inside"] == ["done", "multistable", 6, [4, 4, 4], "fail"]
+    assert found["moved"] == ["done", "multistable", 6, [4, 4, 3], "fail"], "it follows the point"
     assert found["own"] == pytest.approx([0, 0, 10], abs=1e-3)
     assert "14 mm" in found["way"]
-    assert found["placed"] == ["done", "monostable", 1, [0, 0, -4], "pass"]
+    assert found["placed"] == ["done", "multistable", 6, [2, 5, 5], "fail"]
     assert found["mesh"] == ["done", "multistable", 6, [0, 0, 0], "fail"]
     assert found["design"][:3] == ["done", "multistable", 6]
     assert found["checked"] == "Design", "a feature stands for its Part Design body"

@@ -13,7 +13,7 @@ from . import progress
 
 _COLORS = {"pass": "#2e9e3f", "fail": "#d5322e", "outdated": "#b07d00", "running": "#4178d4", "": "#6d7881"}
 
-_REASONS_HEIGHT = 280
+_REASONS_HEIGHT, _CELL = 280, 42
 
 _shown: ResultPanel | None = None
 
@@ -177,8 +177,8 @@ def _table(rows: list[Any]) -> str:
 
 
 def _legend(steps: list[tuple[str, str]]) -> str:
-    cells = "".join(f'<td bgcolor="{color}">&nbsp;&nbsp;&nbsp;&nbsp;</td>' for color, _ in steps)
-    texts = "".join(f'<td align="center">&nbsp;{escape(text)}&nbsp;</td>' for _, text in steps)
+    cells = "".join(f'<td width="{_CELL}" bgcolor="{color}">&nbsp;</td>' for color, _ in steps)
+    texts = "".join(f'<td width="{_CELL}" align="center">{escape(text)}</td>' for _, text in steps)
     return (
         f'<table cellspacing="0"><tr>{cells}</tr><tr>{texts}</tr></table>' + tr(gui_texts.SCALE)
         if steps

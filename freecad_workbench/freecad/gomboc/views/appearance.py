@@ -13,7 +13,7 @@ Rgb = Tuple[float, float, float]
 
 PRODUCTS = ("imu-housing", "seed-pod", "buoy")
 
-ZONE_COLOR, ZONE_TRANSPARENCY = (0.18, 0.62, 0.25), 70
+ZONE_COLOR, ZONE_TRANSPARENCY = (0.40, 0.90, 0.45), 65
 PASS_COLOR, FAIL_COLOR = (0.18, 0.62, 0.25), (0.84, 0.20, 0.18)
 
 # From dark to bright as the value grows; the colour-blind and grey prints can tell them apart.
@@ -34,6 +34,8 @@ def begin(document_object: Any) -> None:
     elif kind == "drillmap":
         view.DisplayMode = "Shaded"
     elif kind == "check":
+        # It is all lines, which "Shaded" does not draw.
+        view.DisplayMode = "Flat Lines"
         view.LineWidth, view.PointSize = 4.0, 8.0
     elif marks.kind(document_object) in PRODUCTS:
         view.DisplayMode = PARTS_MODE
