@@ -484,11 +484,10 @@ def test_a_part_of_the_user_is_told_the_truth(windows: Windows) -> None:
                    look=[view.DisplayMode, view.LineColor[0] > view.LineColor[1]])
             select(fillet, (inside, "Vertex1"))
             press("Gomboc_Check")
-            yield lambda: computed(document.getObject("Check002"))
-            report(inside=verdict(document.Check002))
+            yield lambda: widget("GombocStop")
             inside.Z = 3
             document.recompute()
-            yield lambda: document.Check002.Status == "done" and document.Check002.CentreOfMass.z < 4
+            yield lambda: document.Check002.Status == "done"
             report(moved=verdict(document.Check002))
             select(capsule)
             press("Gomboc_PlaceCom")
@@ -502,8 +501,10 @@ def test_a_part_of_the_user_is_told_the_truth(windows: Windows) -> None:
             yield lambda: widget("GombocPlace")
             widget("GombocPointX").setValue(2)
             accept()
-            yield lambda: computed(document.getObject("Check003"))
-            report(placed=verdict(document.Check003))
+            yield lambda: document.getObject("Check003")
+            report(placed=[document.Check003.Part.Name, list(document.Check003.Com)])
+            press("Gomboc_Stop")
+            yield lambda: computed(document.Check003)
             import Mesh, PartDesign
             mesh = document.addObject("Mesh::Feature", "Mesh")
             mesh.Mesh = Mesh.createBox(10, 10, 10)
@@ -515,9 +516,10 @@ def test_a_part_of_the_user_is_told_the_truth(windows: Windows) -> None:
             yield lambda: computed(document.getObject("Check004"))
             select(prism)
             press("Gomboc_Check")
-            yield lambda: computed(document.getObject("Check005"))
-            report(mesh=verdict(document.Check004), design=verdict(document.Check005),
-                   checked=document.Check005.Part.Name)
+            yield lambda: document.getObject("Check005")
+            report(mesh=verdict(document.Check004), checked=document.Check005.Part.Name)
+            press("Gomboc_Stop")
+            yield lambda: computed(document.Check005)
             select(low)
             report(point_alone=Gui.Command.get("Gomboc_Check").isActive())
         """,
@@ -534,13 +536,11 @@ def test_a_part_of_the_user_is_told_the_truth(windows: Windows) -> None:
     assert found["look"] == ["Flat Lines", True], "its poses are drawn, in red"
     assert found["capsule"] == ["done", "monostable", 1, [0, 0, -4], "pass"]
     assert "-1.0000), height 6 mm" in found["poses"][0], "that pole is down"
-    assert found["inside"] == ["done", "multistable", 6, [4, 4, 4], "fail"]
     assert found["moved"] == ["done", "multistable", 6, [4, 4, 3], "fail"], "it follows the point"
     assert found["own"] == pytest.approx([0, 0, 10], abs=1e-3)
     assert "14 mm" in found["way"]
-    assert found["placed"] == ["done", "multistable", 6, [2, 5, 5], "fail"]
+    assert found["placed"] == ["Box", [2, 5, 5]]
     assert found["mesh"] == ["done", "multistable", 6, [0, 0, 0], "fail"]
-    assert found["design"][:3] == ["done", "multistable", 6]
     assert found["checked"] == "Design", "a feature stands for its Part Design body"
     assert not found["point_alone"]
 

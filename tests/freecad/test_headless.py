@@ -125,7 +125,7 @@ def test_a_body_is_what_the_package_says(run: Run, run_plain: Run, scratch: Path
         doc.recompute()
         doc.recompute(None, True)
         unasked = list(asked)
-        drill = api.create_drill_map(doc, body)
+        drill = api.create_drill_map(doc, body, sites=500)
         shell = Part.makeShell(drill.Shape.Faces)
         largest = list(drill.Shape.Faces[drill.Radii.index(max(drill.Radii))].CenterOfMass)
         body.Diameter = "0.1 mm"

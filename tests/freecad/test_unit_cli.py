@@ -92,7 +92,7 @@ def test_an_override_that_is_none_is_refused(text):
         cli.body(cli.Subject("primary", diameter_mm=60.0), Path("out")),
         cli.check(Path("part.step"), (-1.5, 0.0, 1e-7)),
         cli.zone(cli.Subject("primary", diameter_mm=60.0), Path("zone.stl"), (-1.0, 0.0, 0.0)),
-        cli.drill_map(cli.Subject("primary", diameter_mm=60.0), (-1.0, 0.0, 0.0)),
+        cli.drill_map(cli.Subject("primary", diameter_mm=60.0), 3000, (-1.0, 0.0, 0.0)),
         cli.tolerance(cli.Subject("buoy"), Path("out"), cli.Study("fdm", 64, 1, answers=False)),
     ],
     ids=lambda arguments: arguments[5],

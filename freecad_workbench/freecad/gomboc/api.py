@@ -26,7 +26,7 @@ from .objects.body import SETTINGS as BODY_SETTINGS
 from .objects.body import Body
 from .objects.check import Check
 from .objects.computed import kind_of
-from .objects.maps import DrillMap, Study, Zone, is_subject
+from .objects.maps import DRILL_SITES, DrillMap, Study, Zone, is_subject
 from .objects.product import Product, set_target
 
 __all__ = [
@@ -144,13 +144,18 @@ def create_zone(doc: Any, subject: Any) -> Any:
     return _create_about(doc, subject, Zone, "Mesh::FeaturePython", "LoadingZone")
 
 
-def create_drill_map(doc: Any, subject: Any) -> Any:
+def create_drill_map(doc: Any, subject: Any, sites: int = DRILL_SITES) -> Any:
     """Add the drill map of a body or product: how large a hole or flat may be at each place.
+
+    Args:
+        doc: A FreeCAD document.
+        subject: A body or product of the workbench.
+        sites: How many places of the surface are looked at.
 
     Raises:
         GombocCadError: If it is neither, or (without windows) the computation failed.
     """
-    return _create_about(doc, subject, DrillMap, "Part::FeaturePython", "DrillMap")
+    return _create_about(doc, subject, DrillMap, "Part::FeaturePython", "DrillMap", Sites=sites)
 
 
 def create_study(
@@ -291,11 +296,13 @@ def _created(doc: Any, kind: str, name: str) -> Iterator[Any]:
         raise
 
 
-def _create_about(doc: Any, subject: Any, proxy: Any, kind: str, name: str) -> Any:
+def _create_about(doc: Any, subject: Any, proxy: Any, kind: str, name: str, **settings: Any) -> Any:
     _require_subject(subject)
     with _created(doc, kind, name) as made:
         proxy(made)
         made.Subject, made.Label = subject, f"{subject.Label} {name}"
+        for setting, value in settings.items():
+            setattr(made, setting, value)
     return made
 
 

@@ -162,9 +162,9 @@ def zone(subject: Subject, stl: Path, com_mm: Sequence[float] | None = None) -> 
     return [*_MODULE, "zone", *subject.arguments(), *_com(com_mm), *how, "-o", str(stl), "--json"]
 
 
-def drill_map(subject: Subject, com_mm: Sequence[float] | None = None) -> list[str]:
+def drill_map(subject: Subject, sites: int, com_mm: Sequence[float] | None = None) -> list[str]:
     """Arguments of Python that tell the largest hole for each place."""
-    return [*_MODULE, "drillmap", *subject.arguments(), *_com(com_mm), "--json"]
+    return [*_MODULE, "drillmap", *subject.arguments(), *_com(com_mm), "--sites", str(sites), "--json"]
 
 
 def tolerance(subject: Subject, folder: Path, study: Study) -> list[str]:

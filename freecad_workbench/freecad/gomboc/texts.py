@@ -123,6 +123,7 @@ TIPS = {
     "Subject": QT_TRANSLATE_NOOP("gomboc", "The body or product that it is about"),
     "Variants": QT_TRANSLATE_NOOP("gomboc", "How many parts as made are looked at"),
     "Answers": QT_TRANSLATE_NOOP("gomboc", "Look for what to change too; takes most of the time"),
+    "Sites": QT_TRANSLATE_NOOP("gomboc", "How many places of the surface are looked at"),
     "Seed": QT_TRANSLATE_NOOP("gomboc", "Of all random samples: the same seed gives the same study"),
     "Status": QT_TRANSLATE_NOOP("gomboc", "How far the computation is"),
     "Verdict": QT_TRANSLATE_NOOP("gomboc", "What the package says of it"),

@@ -14,7 +14,6 @@ class Judgement:
     """A verdict and what it stands on; a body that has not one rest has no pose, and no margin.
 
     Attributes:
-        passed: Whether the verdict is PASS.
         verdict: PASS or FAIL.
         reasons: A sentence each.
         s_margin_mm: Of the centre of mass.

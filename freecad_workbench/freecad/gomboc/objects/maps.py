@@ -14,7 +14,13 @@ from .computed import Computed, assign_results, kind_of, vector
 AS_DESIGNED = "as designed"
 """The process of a study that is that of the product itself."""
 
+DRILL_SITES = 3000
+"""So many places that the narrow valley along which a body rolls is seen whole."""
+
 MOST_VARIANTS = 1_000_000
+
+_SITES_RANGE = (100, 20_000, 500)
+"""Fewest, most, and step in the property editor."""
 
 
 class About(Computed):
@@ -80,12 +86,18 @@ class DrillMap(About):
 
     def _add_properties(self, document_object: Any) -> None:
         super()._add_properties(document_object)
+        if properties.add(document_object, "App::PropertyIntegerConstraint", "Sites"):
+            document_object.Sites = (DRILL_SITES, *_SITES_RANGE)
         properties.add_results(document_object, _DRILL_RESULTS)
         properties.add_results(document_object, _DRILL_INTERNALS, properties.INTERNAL)
 
+    def inputs(self, document_object: Any) -> str:
+        """The subject's command line, and how many places are looked at."""
+        return f"{super().inputs(document_object)}\n{document_object.Sites}"
+
     def prepare(self, document_object: Any, folder: Path) -> list[str]:
         """`gomboc-cad drillmap`."""
-        return cli.drill_map(subject_of(document_object))
+        return cli.drill_map(subject_of(document_object), document_object.Sites)
 
     def read(self, document_object: Any, document: dict[str, Any], folder: Path) -> Any:
         """Draw the triangles between the sites, each with the smallest radius at its corners."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from freecad.gomboc import gui_texts, jobs
+from freecad.gomboc import door, gui_texts, jobs
 from freecad.gomboc.texts import tr
 
 from . import camera, icons, marks
@@ -26,9 +26,7 @@ class ObjectView:
         """FreeCAD has made the view."""
         self.view = view
         if hasattr(view, "addDisplayMode"):
-            from pivy import coin  # FreeCAD's scene graph
-
-            view.addDisplayMode(coin.SoGroup(), PARTS_MODE)
+            view.addDisplayMode(door.coin.SoGroup(), PARTS_MODE)
 
     def getDisplayModes(self, view: Any) -> list[str]:
         """The display modes besides those of every shape."""
