@@ -178,7 +178,8 @@ def housing(display: str, tmp_path_factory: pytest.TempPathFactory) -> dict[str,
 
         def plain(value):
             if isinstance(value, float):
-                return f"{value:.12g}"
+                # A file has 16 digits after the point.
+                return f"{round(value, 12) + 0.0:.12g}"
             return [plain(entry) for entry in value] if isinstance(value, App.Vector) else str(value)
 
         def looks(document_object):
