@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import itertools
 import json
+import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
 from gomboc_cad.progress import Progress, silent
+
+PROGRESS_VARIABLE = "GOMBOC_CAD_PROGRESS"
+"""Environment variable by which a program asks for stages as lines on stderr: `lines`."""
 
 _MOST_COEFFICIENTS = 4
 _PERCENTILES = ("p05", "p50", "p95")
@@ -37,15 +41,15 @@ class Reporter:
 
     @contextmanager
     def stages(self, total: int | None) -> Iterator[Progress]:
-        """Show on stderr which stage begins: as a bar on a terminal, as a line each for a program or a log.
+        """Show on stderr which stage begins: a bar on a terminal, lines for a program that asks for them.
 
         The callback that it gives names the stage. Without a total, only that is shown.
         """
-        if self.quiet:
-            yield silent
-            return
-        if not sys.stderr.isatty():
+        if not self.quiet and os.environ.get(PROGRESS_VARIABLE) == "lines":
             yield _line_by_line(total)
+            return
+        if self.quiet or not sys.stderr.isatty():
+            yield silent
             return
         from rich.console import Console
         from rich.progress import (

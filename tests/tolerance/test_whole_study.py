@@ -11,8 +11,10 @@ from typing import Any
 import pytest
 
 from gomboc_cad.errors import GombocError, OutputError, SpecError, StudyError
+from gomboc_cad.products.template_files import copy_template
 from gomboc_cad.tolerance.whole_study import Question, study_tolerances
 from tests.external import digests
+from tests.report.walker import untraced
 
 SMALL = Question(
     process="cnc-5axis",
@@ -35,9 +37,15 @@ def run(folder: Path, question: Question, subject: str = "primary", **options: A
 
 @pytest.fixture(scope="module")
 def study(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    """A precise part of which 60 % are asked for, with all answers."""
-    folder = tmp_path_factory.mktemp("study") / "out"
-    return run(folder, replace(SMALL, good_share=0.6, max_tilt_deg=5.0), report=True)
+    """A precise part of which 60 % are asked for, with all answers; its waviness ends at 4 undulations."""
+    folder = tmp_path_factory.mktemp("study")
+    precise = folder / "precise.toml"
+    copy_template("cnc-5axis", precise)
+    told = precise.read_text(encoding="utf-8")
+    told = told.replace("value = 15.0, range = [15.0, 50.0]", "value = 4.0, range = [4.0, 50.0]")
+    precise.write_text(told, encoding="utf-8")
+    question = replace(SMALL, process=str(precise), good_share=0.6, max_tilt_deg=5.0)
+    return run(folder / "out", question, report=True)
 
 
 @pytest.mark.slow
@@ -57,6 +65,13 @@ def test_the_document_has_the_contracts_keys(study: dict[str, Any]) -> None:
     assert study["recommend"]["sentence"]
     assert study["cross_check"]["rows"] == 1
     assert study["cross_check"]["disagreed"] == []
+    assert next(source for source in study["sources"] if source["name"] == "form_error")["dimensions"] == 21
+
+
+@pytest.mark.slow
+def test_every_number_of_its_report_stands_in_its_files(study: dict[str, Any]) -> None:
+    assert "report.html" in study["files"]
+    assert untraced(Path(study["folder"])) == []
 
 
 @pytest.mark.slow

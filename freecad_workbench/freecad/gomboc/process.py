@@ -77,6 +77,7 @@ class Run:
         variables = door.QtCore.QProcessEnvironment()
         for name, value in cli.environment(os.environ).items():
             variables.insert(name, value)
+        variables.insert("GOMBOC_CAD_PROGRESS", "lines")
         self._process.setProcessEnvironment(variables)
         self._process.readyReadStandardOutput.connect(self._read)
         self._process.readyReadStandardError.connect(self._read)
