@@ -107,7 +107,8 @@ def test_the_package_knows_each_option(arguments):
     assert all(option in done.output for option in options)
 
 
-def test_stages_of_the_package_are_understood(capsys):
+def test_stages_of_the_package_are_understood(capsys, monkeypatch):
+    monkeypatch.setenv("GOMBOC_CAD_PROGRESS", "lines")
     with Reporter(as_json=True, quiet=False).stages(2) as progress:
         progress("cutting the cavity")
         progress("judging [2/3] of it")

@@ -117,8 +117,11 @@ def test_called_again_it_reads_its_rows_and_writes_the_same_bytes(tmp_path: Path
 
 @pytest.mark.slow
 def test_a_printed_part_is_built_of_layers_too(tmp_path: Path) -> None:
-    """Layers of 0.2 mm hold the primary on many steps, far from its rest."""
-    found = run(tmp_path / "out", Question(process="fdm", variants=1, samples=2, rebuilt=0, answers=False))
+    """Layers of 0.2 mm hold a small primary on many steps, far from its rest."""
+    small = tmp_path / "small.toml"
+    small.write_text('[body]\nname = "primary"\ndiameter_mm = 40.0\n', encoding="utf-8")
+    question = Question(process="fdm", variants=1, samples=2, rebuilt=0, answers=False)
+    found = run(tmp_path / "out", question, str(small))
     layers = found["layers"]
     assert layers["height_mm"] == pytest.approx(0.2, abs=0.15)
     assert layers["dead_zone_mm"] > layers["height_mm"]
