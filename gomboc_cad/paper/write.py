@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,7 @@ from gomboc_cad.paper.page import page
 from gomboc_cad.paper.registry import reproduce
 from gomboc_cad.progress import Progress, silent
 from gomboc_cad.reproducible import one_blas_thread
-from gomboc_cad.solid.output import open_output, write_bytes
+from gomboc_cad.solid.output import json_bytes, open_output, write_bytes
 
 PAGE_NAME = "paper.md"
 JSON_NAME = "paper.json"
@@ -40,8 +39,7 @@ def write_paper(
     with open_output(folder, force) as staging:
         tables = reproduce(names, progress)
         document = {"tables": [table.document() for table in tables]}
-        text = json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False)
-        write_bytes(staging / JSON_NAME, f"{text}\n".encode())
+        write_bytes(staging / JSON_NAME, json_bytes(document))
         write_bytes(staging / PAGE_NAME, page(tables, ".").encode())
         drawn = write_figures(staging, {table.name for table in tables}, progress)
     return {"folder": str(folder), **document, "files": [JSON_NAME, PAGE_NAME, *drawn]}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -32,7 +31,7 @@ from gomboc_cad.reproducible import one_blas_thread
 from gomboc_cad.solid.audit import require_pymeshlab
 from gomboc_cad.solid.export import NamedMesh, write_3mf, write_plate, write_step, write_stl
 from gomboc_cad.solid.inspect import Expected, FileInspection, inspect_file, problems_of
-from gomboc_cad.solid.output import open_output, write_bytes
+from gomboc_cad.solid.output import json_bytes, open_output, write_bytes
 from gomboc_cad.solid.patches import default_deviation_um
 from gomboc_cad.solid.plate import pack
 from gomboc_cad.solid.plate_inspection import inspect_plate
@@ -111,7 +110,7 @@ def build_product(
         found += _write_documents(design, verdict, staging)
         transferred = _transfer(design, verdict.census, exported)
         document = build_document(BuildRecord(design, verdict, found, made, again, transferred))
-        write_bytes(staging / VERDICT_FILE, _json_bytes(document))
+        write_bytes(staging / VERDICT_FILE, json_bytes(document))
         if report:
             progress("writing the report")
             write_product_report(design, verdict, staging, folder)
@@ -172,17 +171,13 @@ def _expected(part: Part, distance_um: float) -> Expected:
 def _write_documents(design: ProductDesign, verdict: Verdict, staging: Path) -> list[FileInspection]:
     """Write what only this product has to say."""
     documents: Mapping[str, dict[str, Any]] = design.documents(verdict)
-    return [_write_text(staging / name, _json_bytes(document)) for name, document in documents.items()]
+    return [_write_text(staging / name, json_bytes(document)) for name, document in documents.items()]
 
 
 def _write_text(path: Path, data: bytes) -> FileInspection:
     """Write a table or document, which has nothing to read back."""
     write_bytes(path, data)
     return FileInspection(path.name, path.suffix[1:], hashlib.sha256(data).hexdigest(), len(data), (), ())
-
-
-def _json_bytes(document: dict[str, Any]) -> bytes:
-    return (json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()
 
 
 def _com_problems(design: ProductDesign) -> tuple[str, ...]:

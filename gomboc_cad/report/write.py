@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -24,9 +23,12 @@ from gomboc_cad.report.page import render_page
 from gomboc_cad.report.scene import scene_of
 from gomboc_cad.report.style import figure_bytes, svg_text
 from gomboc_cad.reproducible import one_blas_thread
-from gomboc_cad.solid.output import write_bytes, writing_to
+from gomboc_cad.solid.output import json_bytes, write_bytes, writing_to
 
 PAGE, FIGURES = "report.html", "figures"
+_INDENT = 1
+"""Of `report.json`, which has many short lines."""
+
 _NOT_INLINED = ("curvature",)
 """The view in space shows it, and nobody needs it on paper."""
 
@@ -57,7 +59,7 @@ def write_report(folder: Path, beside: Path | None = None) -> dict[str, Any]:
         named.name: svg_text(named.figure, named.name) for named in figures if named.name not in _NOT_INLINED
     }
     page = render_page(results, inlined, scene)
-    files = {REPORT: json_bytes(report), PAGE: page.encode()}
+    files = {REPORT: json_bytes(report, _INDENT), PAGE: page.encode()}
     for named in figures:
         for kind in ("svg", "png"):
             files[f"{FIGURES}/{named.name}.{kind}"] = figure_bytes(named.figure, kind)
@@ -75,13 +77,8 @@ def add_to_report(folder: Path, records: Mapping[str, Any], beside: Path | None 
         InspectionError, OutputError: As `write_report`.
     """
     before = report_of(folder if beside is None else beside)
-    write_bytes(folder / REPORT, json_bytes(merged(before, records)))
+    write_bytes(folder / REPORT, json_bytes(merged(before, records), _INDENT))
     return write_report(folder, beside)
-
-
-def json_bytes(document: Mapping[str, Any]) -> bytes:
-    """A document as the bytes of its file."""
-    return (json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode()
 
 
 def _figures(results: Results) -> list[NamedFigure]:

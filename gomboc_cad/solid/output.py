@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import errno
+import json
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 from gomboc_cad.errors import OutputError
 
@@ -38,6 +40,11 @@ def write_bytes(path: Path, data: bytes) -> None:
         stream.flush()
         # A disk may report that it is full only now.
         os.fsync(stream.fileno())
+
+
+def json_bytes(document: Mapping[str, Any], indent: int = 2) -> bytes:
+    """A document as the bytes of its file: UTF-8, and no number that JSON does not have."""
+    return (json.dumps(document, indent=indent, ensure_ascii=False, allow_nan=False) + "\n").encode()
 
 
 @contextmanager

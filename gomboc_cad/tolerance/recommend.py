@@ -147,6 +147,7 @@ def recommend(
     target: Target,
     effort: Effort = _EFFORT,
     *,
+    as_made: Checked | None = None,
     processes: Mapping[str, StudyModel] | None = None,
     most_lowering_mm: float | None = None,
     executor: Executor | None = None,
@@ -158,6 +159,8 @@ def recommend(
         model: The study.
         target: What has to be met.
         effort: How many variants each candidate may cost.
+        as_made: What `solve_budget` found with the same target and effort of the study as it is; judged here
+            if not given.
         processes: The same design made by other processes, by name.
         most_lowering_mm: How far the COM may be lowered; a fifth of the nominal radius if not given.
         executor: Where to run; here if not given.
@@ -166,7 +169,8 @@ def recommend(
     Raises:
         StudyError: If the rows are too few to show the target.
     """
-    as_made = first_confirmed([1.0], lambda _: model, target, effort.check_rows, executor)
+    if as_made is None:
+        as_made = first_confirmed([1.0], lambda _: model, target, effort.check_rows, executor)
     if as_made.met:
         return Recommendation(target, as_made, (), ())
     trial = _Trial(target, effort, executor)

@@ -6,7 +6,6 @@ is computed from the same model and written at the end as `tolerance.json`, with
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import asdict, dataclass
@@ -25,7 +24,7 @@ from gomboc_cad.report.build_records import study_records
 from gomboc_cad.report.document import body_document
 from gomboc_cad.report.folder import REPORT, VERDICT, is_built, read_results
 from gomboc_cad.report.write import FIGURES, PAGE, add_to_report
-from gomboc_cad.solid.output import write_bytes, writing_to
+from gomboc_cad.solid.output import json_bytes, write_bytes, writing_to
 from gomboc_cad.tolerance.acceptance import Effort, Target, design_outcome, require_good_design
 from gomboc_cad.tolerance.allowable import form_error_curve
 from gomboc_cad.tolerance.baseline import sphere_baseline
@@ -163,8 +162,7 @@ def study_tolerances(
         document["layers"] = _layers(models.process, model)
         if question.answers:
             document |= _answers(models, question, pool, progress)
-    text = json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    write_bytes(folder / STUDY_FILE, text.encode())
+    write_bytes(folder / STUDY_FILE, json_bytes(document))
     files = [rows_file.name, STUDY_FILE]
     if report:
         progress("writing the report")
@@ -349,7 +347,9 @@ def _answers(models: _Models, question: Question, pool: Executor, progress: Prog
     )
     budget = solve_budget(model, target, effort, executor=pool, progress=progress)
     others = {name: other for name, other in models.all.items() if other.process != model.process}
-    found = recommend(model, target, effort, processes=others, executor=pool, progress=progress)
+    found = recommend(
+        model, target, effort, as_made=budget.as_made, processes=others, executor=pool, progress=progress
+    )
     summary = budget.document()
     return {
         **answers,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -103,55 +104,6 @@ def contents_of(spec: SeedPodSpec, layout: PodLayout, seed: Seed, substrate: Mat
     return Contents(seed_part, substrate_part)
 
 
-def uncertainties_of(
-    spec: SeedPodSpec, layout: PodLayout, seed: Seed, assembly: Assembly
-) -> tuple[Uncertainty, ...]:
-    """What moves the centre of mass of a pod from one to the next.
-
-    Args:
-        spec: What is asked for.
-        layout: Where things are.
-        seed: The seed.
-        assembly: The finished pod.
-    """
-    com, mass_g = assembly.com_mm, assembly.mass_g
-    soft = np.array(layout.rest.soft_direction)
-    by_name = {part.name: part for part in assembly.parts}
-    kernel = by_name[SEED]
-    found = [
-        Uncertainty(
-            f"a seed that is {seed.mass_scatter_g:.3g} g lighter or heavier",
-            as_vector(seed.mass_scatter_g / mass_g * np.subtract(kernel.com_mm, com)),
-            "sort the seeds by mass, and give a smaller mass_scatter_g in the seed's file",
-        ),
-        Uncertainty(
-            f"a seed that lies {spec.seed.play_mm:g} mm off its place",
-            as_vector(spec.seed.play_mm * seed.mass_g / mass_g * soft),
-            "pack the substrate more tightly, and give a smaller seed.play_mm",
-        ),
-    ]
-    filling = by_name.get(SUBSTRATE)
-    if filling is not None:
-        off = spec.substrate.mass_scatter * filling.mass_g
-        found.append(
-            Uncertainty(
-                f"a filling that is {100.0 * spec.substrate.mass_scatter:.0f} % lighter or heavier",
-                as_vector(off / mass_g * np.subtract(filling.com_mm, com)),
-                "weigh the filling of each pod, and give a smaller substrate.mass_scatter",
-            )
-        )
-    if filling is not None and spec.substrate.fill < 1.0:
-        shift = loose_shift_mm(layout, spec.substrate.fill)
-        found.append(
-            Uncertainty(
-                f"a filling of {100.0 * spec.substrate.fill:.0f} % that settles to one side",
-                as_vector(shift * filling.mass_g / mass_g * soft),
-                "fill the room completely",
-            )
-        )
-    return tuple(found)
-
-
 def loads_of(
     spec: SeedPodSpec, layout: PodLayout, seed: Seed, assembly: Assembly
 ) -> tuple[UncertainLoad, ...]:
@@ -169,6 +121,51 @@ def loads_of(
         return (kernel,)
     settled_mm = loose_shift_mm(layout, spec.substrate.fill) if spec.substrate.fill < 1.0 else 0.0
     return kernel, UncertainLoad(SUBSTRATE, spec.substrate.mass_scatter * filling.mass_g, settled_mm)
+
+
+def uncertainties_of(
+    spec: SeedPodSpec, layout: PodLayout, loads: Sequence[UncertainLoad], assembly: Assembly
+) -> tuple[Uncertainty, ...]:
+    """What moves the centre of mass of a pod from one to the next.
+
+    Args:
+        spec: What is asked for.
+        layout: Where things are.
+        loads: What `loads_of` gives: the seed, and the filling if there is one.
+        assembly: The finished pod.
+    """
+    soft = np.array(layout.rest.soft_direction)
+    by_mass = [as_vector(load.com_error_by_mass_mm(assembly)) for load in loads]
+    by_place = [as_vector(load.com_error_by_place_mm(assembly) * soft) for load in loads]
+    found = [
+        Uncertainty(
+            f"a seed that is {loads[0].mass_tolerance_g:.3g} g lighter or heavier",
+            by_mass[0],
+            "sort the seeds by mass, and give a smaller mass_scatter_g in the seed's file",
+        ),
+        Uncertainty(
+            f"a seed that lies {spec.seed.play_mm:g} mm off its place",
+            by_place[0],
+            "pack the substrate more tightly, and give a smaller seed.play_mm",
+        ),
+    ]
+    if len(loads) > 1:
+        found.append(
+            Uncertainty(
+                f"a filling that is {100.0 * spec.substrate.mass_scatter:.0f} % lighter or heavier",
+                by_mass[1],
+                "weigh the filling of each pod, and give a smaller substrate.mass_scatter",
+            )
+        )
+    if len(loads) > 1 and spec.substrate.fill < 1.0:
+        found.append(
+            Uncertainty(
+                f"a filling of {100.0 * spec.substrate.fill:.0f} % that settles to one side",
+                by_place[1],
+                "fill the room completely",
+            )
+        )
+    return tuple(found)
 
 
 def loose_shift_mm(layout: PodLayout, fill: float) -> float:

@@ -140,6 +140,7 @@ def design_seed_pod(
     progress("making the meshes")
     made = pod.casing.with_meshes(assembly.parts, pod.hollow(placement), spec.mesh.sag_um)
     assembly = replace(assembly, parts=made)
+    loads = loads_of(spec, layout, seed, assembly)
     return ProductDesign(
         spec=spec,
         body=body,
@@ -147,8 +148,8 @@ def design_seed_pod(
         assembly=assembly,
         placement=placement,
         openings=(layout.exit,),
-        uncertainties=uncertainties_of(spec, layout, seed, assembly),
-        loads=loads_of(spec, layout, seed, assembly),
+        uncertainties=uncertainties_of(spec, layout, loads, assembly),
+        loads=loads,
         upper_parts=pod.casing.upper_parts,
         parting_direction=layout.frame.up,
         parting=None
